@@ -1,0 +1,36 @@
+//! Where am I in this building?
+//!
+//! `compass-core` turns an architect's floor plan into compact descriptors and finds, among the
+//! descriptors of a whole building, the position and heading that explain what a robot sees. It
+//! allocates nothing, uses no floating point, contains no `unsafe`, and gives the same bits on
+//! every target.
+//!
+//! Modules in reading order, each knowing only those before it:
+//!
+//! | module | owns |
+//! |---|---|
+//! | [`num`] | fixed-point vocabulary: levels, metres, binary angles, scores |
+//! | [`raster`] | borrowed bit masks |
+//! | [`scan`] | range and hit type of 360 rays |
+//! | [`plan`] | the packed floor plan and the ray march |
+//! | [`descriptor`] | the 5 x 360 descriptor of a scan |
+//! | [`spectrum`] | fixed-point FFT and circular correlation |
+//! | [`similarity`] | cosine similarity of descriptors, plain and centred, weighted and masked |
+//! | [`signature`] | the rotation-invariant transition signature |
+//! | [`site_map`] | the map of candidate positions as bytes |
+//! | [`matching`] | search over candidates and headings |
+//!
+//! Memory is lent by the caller throughout; "nothing found" is `None`; errors are small `Copy` enums.
+//!
+//! # Reference
+//! "COMPASS: `COmpact` Multi-channel Prior-map And Scene Signature", 2026 (*the paper* below).
+#![no_std]
+#![forbid(unsafe_code)]
+#![deny(missing_docs)]
+
+#[cfg(test)]
+extern crate std;
+
+pub mod num;
+pub mod raster;
+pub mod scan;

@@ -1,0 +1,121 @@
+//! Borrowed raster views, checked once when made.
+//!
+//! Row 0 of every mask is the **southernmost** row (y up), so that map coordinates grow with the
+//! index. Importers of image files flip the rows.
+
+use core::fmt;
+
+/// Why a raster view could not be made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum RasterError {
+    /// Width or height is zero, or above [`MAX_SIDE`].
+    Size,
+    /// The slice is shorter than `height` rows of [`BitMask::row_bytes`].
+    Length,
+}
+
+impl fmt::Display for RasterError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Size => "raster side is zero or above 65535 pixels",
+            Self::Length => "raster data is shorter than its size needs",
+        })
+    }
+}
+
+impl core::error::Error for RasterError {}
+
+/// Longest side of a raster in pixels: a position in it fits two `u16`.
+pub const MAX_SIDE: u32 = 65_535;
+
+/// One bit per pixel, rows padded to whole bytes, least significant bit first.
+///
+/// Row 0 is the southernmost row.
+#[derive(Debug, Clone, Copy)]
+pub struct BitMask<'a> {
+    bits: &'a [u8],
+    width: u32,
+    height: u32,
+    row_bytes: usize,
+}
+
+impl<'a> BitMask<'a> {
+    /// Bytes of one row of `width` pixels.
+    #[must_use]
+    pub const fn row_bytes(width: u32) -> usize {
+        width.div_ceil(8) as usize
+    }
+
+    /// Views `bits` as a mask of `width` x `height` pixels.
+    ///
+    /// # Errors
+    /// [`RasterError::Size`] for a side of 0 or above [`MAX_SIDE`]; [`RasterError::Length`] when the
+    /// slice is too short. A longer slice is accepted.
+    pub fn new(bits: &'a [u8], width: u32, height: u32) -> Result<Self, RasterError> {
+        if width == 0 || height == 0 || width > MAX_SIDE || height > MAX_SIDE {
+            return Err(RasterError::Size);
+        }
+        let row_bytes = Self::row_bytes(width);
+        let needed = row_bytes.checked_mul(height as usize).ok_or(RasterError::Size)?;
+        if bits.len() < needed {
+            return Err(RasterError::Length);
+        }
+        Ok(Self { bits, width, height, row_bytes })
+    }
+
+    /// Pixels along x.
+    #[must_use]
+    pub const fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Pixels along y.
+    #[must_use]
+    pub const fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// The pixel at column `x`, row `y` (row 0 southernmost); outside the raster it is unset.
+    #[must_use]
+    pub fn get(&self, x: u32, y: u32) -> bool {
+        x < self.width && self.byte(x / 8, y) >> (x % 8) & 1 == 1
+    }
+
+    /// Eight pixels of row `y` from column `8 * column`; padding and outside read as unset.
+    pub(crate) fn byte(&self, column: u32, y: u32) -> u8 {
+        if column as usize >= self.row_bytes || y >= self.height {
+            return 0;
+        }
+        let at = y as usize * self.row_bytes + column as usize;
+        let byte = self.bits.get(at).copied().unwrap_or(0);
+        let inside = self.width - 8 * column;
+        if inside >= 8 { byte } else { byte & ((1 << inside) - 1) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reads_bits_and_hides_padding() {
+        let bits = [0b1111_1101, 0xff, 0x00, 0x01];
+        let mask = BitMask::new(&bits, 9, 2).unwrap();
+        assert!(mask.get(0, 0));
+        assert!(!mask.get(1, 0));
+        assert!(mask.get(8, 0));
+        assert!(!mask.get(9, 0), "beyond the width");
+        assert_eq!(mask.byte(1, 0), 1, "padding bits are dropped");
+        assert!(mask.get(8, 1));
+        assert!(!mask.get(0, 2), "beyond the height");
+    }
+
+    #[test]
+    fn refuses_wrong_sizes() {
+        assert_eq!(BitMask::new(&[0], 0, 1).unwrap_err(), RasterError::Size);
+        assert_eq!(BitMask::new(&[0], 65_536, 1).unwrap_err(), RasterError::Size);
+        assert_eq!(BitMask::new(&[0], 9, 1).unwrap_err(), RasterError::Length);
+    }
+}

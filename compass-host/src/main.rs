@@ -1,0 +1,2 @@
+//! The `compass` command.
+fn main() {}
