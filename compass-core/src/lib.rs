@@ -32,5 +32,8 @@
 extern crate std;
 
 pub mod num;
+pub mod plan;
 pub mod raster;
+pub mod descriptor;
 pub mod scan;
+pub mod spectrum;

@@ -1,0 +1,7 @@
+//! Spectra in fixed point: a radix-2 FFT and circular correlation of 360 bins through it.
+
+mod correlate;
+mod fft;
+
+pub use correlate::{CORRELATION_POINTS, Correlator};
+pub use fft::{Complex, MAX_POINTS, forward, inverse};
