@@ -36,4 +36,6 @@ pub mod plan;
 pub mod raster;
 pub mod descriptor;
 pub mod scan;
+pub mod similarity;
+pub mod site_map;
 pub mod spectrum;

@@ -1,0 +1,295 @@
+//! A query descriptor prepared for scoring many candidates.
+
+use super::{Candidate, Profile, Similarity, Weights, cosine, scaled_cosine};
+use crate::descriptor::{CHANNELS, Descriptor};
+use crate::num::{BINS, Score};
+use crate::spectrum::Correlator;
+
+/// How far each bin of a query may be trusted, in sixteenths: 0 unknown, 16 certain.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Confidence([u8; BINS]);
+
+impl Confidence {
+    /// The value of a bin that is certain.
+    pub const FULL: u8 = 16;
+    /// Every bin is certain.
+    pub const CERTAIN: Self = Self([Self::FULL; BINS]);
+
+    /// From sixteenths per bin; values above 16 count as 16.
+    #[must_use]
+    pub fn new(sixteenths: &[u8; BINS]) -> Self {
+        Self(sixteenths.map(|c| c.min(Self::FULL)))
+    }
+
+    /// Sixteenths per bin.
+    #[must_use]
+    pub const fn sixteenths(&self) -> &[u8; BINS] {
+        &self.0
+    }
+
+    /// Whether every bin is certain.
+    #[must_use]
+    pub fn is_certain(&self) -> bool {
+        *self == Self::CERTAIN
+    }
+}
+
+impl Default for Confidence {
+    fn default() -> Self {
+        Self::CERTAIN
+    }
+}
+
+/// The best shift of a candidate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Peak {
+    /// Degrees by which the query's heading is ahead of the candidate's, 0..360.
+    pub shift: u16,
+    /// Bits of the [`Score`] there (2^30 is 1.0).
+    pub score_bits: i32,
+}
+
+impl Peak {
+    /// The score.
+    #[must_use]
+    pub const fn score(self) -> Score {
+        Score::from_bits(self.score_bits)
+    }
+}
+
+/// Values repeated once, so that every shift is one contiguous slice.
+type Doubled<T> = [T; 2 * BINS];
+
+/// A query descriptor with weights, confidence and the kind of cosine: 16 KiB.
+#[derive(Debug, Clone)]
+pub struct Query {
+    similarity: Similarity,
+    weights: Weights,
+    /// m q; m is 1 for all bins of a certain query.
+    values: [Doubled<i16>; CHANNELS],
+    /// m, for a query that is not certain.
+    mask: Option<Doubled<i16>>,
+    /// M: the sum of m.
+    total: i64,
+    /// sum m q per channel.
+    sums: [i64; CHANNELS],
+    norm: u64,
+}
+
+impl Query {
+    /// A query that matches nothing: a place to [`Query::set`] one.
+    pub const EMPTY: Self = Self {
+        similarity: Similarity::Centred,
+        weights: Weights::EQUAL,
+        values: [[0; 2 * BINS]; CHANNELS],
+        mask: None,
+        total: 0,
+        sums: [0; CHANNELS],
+        norm: 0,
+    };
+
+    /// Prepares a query.
+    pub fn set(
+        &mut self,
+        descriptor: &Descriptor,
+        confidence: &Confidence,
+        weights: Weights,
+        similarity: Similarity,
+    ) {
+        self.similarity = similarity;
+        self.weights = weights;
+        let certain = confidence.is_certain();
+        let mask = |bin: usize| if certain { 1 } else { confidence.0.get(bin).copied().map_or(0, i16::from) };
+        self.total = (0..BINS).map(|bin| i64::from(mask(bin))).sum();
+        self.mask = (!certain).then(|| doubled(mask));
+        let profile = Profile::from(descriptor);
+        let mut squares = [0; CHANNELS];
+        for (((values, sum), square), profile) in
+            self.values.iter_mut().zip(&mut self.sums).zip(&mut squares).zip(&profile.values)
+        {
+            let value = |bin: usize| profile.get(bin).copied().unwrap_or(0);
+            // At most 16 * 1536 < 2^15.
+            *values = doubled(|bin| mask(bin) * value(bin));
+            *sum = (0..BINS).map(|bin| i64::from(mask(bin)) * i64::from(value(bin))).sum();
+            *square = (0..BINS).map(|bin| i64::from(mask(bin)) * i64::from(value(bin)).pow(2)).sum();
+        }
+        self.norm = self.weigh(|c| self.spread(pick(&squares, c), pick(&self.sums, c).pow(2))).unsigned_abs();
+    }
+
+    /// The weights.
+    #[must_use]
+    pub const fn weights(&self) -> Weights {
+        self.weights
+    }
+
+    /// The kind of cosine.
+    #[must_use]
+    pub const fn similarity(&self) -> Similarity {
+        self.similarity
+    }
+
+    /// Whether some bins are less than certain.
+    #[must_use]
+    pub const fn is_masked(&self) -> bool {
+        self.mask.is_some()
+    }
+
+    /// The squared norm of the query in the integers of [`Query::parts`].
+    #[must_use]
+    pub const fn squared_norm(&self) -> u64 {
+        self.norm
+    }
+
+    /// m q per channel and bin, in units of 2^-10 (2^-14 for a masked query).
+    #[must_use]
+    pub fn channel(&self, channel: usize) -> &[i16] {
+        self.values.get(channel).and_then(|v| v.get(..BINS)).unwrap_or_default()
+    }
+
+    /// The exact score of a candidate at one shift (taken modulo 360).
+    #[must_use]
+    pub fn score(&self, candidate: &Candidate, shift: usize) -> Score {
+        let (numerator, norm) = self.parts(candidate, shift);
+        cosine(numerator, self.norm, norm)
+    }
+
+    /// The numerator and the candidate's squared norm at one shift, exact.
+    #[must_use]
+    pub fn parts(&self, candidate: &Candidate, shift: usize) -> (i64, u64) {
+        let start = (BINS - shift % BINS) % BINS;
+        let profile = &candidate.profile.values;
+        let mut numerator = [0; CHANNELS];
+        for ((sum, values), other) in numerator.iter_mut().zip(&self.values).zip(profile) {
+            let values = values.get(start..start + BINS).unwrap_or_default();
+            *sum = if self.is_masked() { dot::<MASKED_BLOCK>(values, other) } else { dot::<BINS>(values, other) };
+        }
+        let (sums, squares) = self.moments(candidate, start);
+        let numerator =
+            self.weigh(|c| self.spread(pick(&numerator, c), pick(&self.sums, c) * pick(&sums, c)));
+        let norm = self.weigh(|c| self.spread(pick(&squares, c), pick(&sums, c).pow(2)));
+        (numerator, norm.unsigned_abs())
+    }
+
+    /// sum m d and sum m d^2 per channel.
+    fn moments(&self, candidate: &Candidate, start: usize) -> ([i64; CHANNELS], [i64; CHANNELS]) {
+        let Some(mask) = &self.mask else {
+            return (candidate.sums.map(i64::from), candidate.squares.map(i64::from));
+        };
+        let mask = mask.get(start..start + BINS).unwrap_or_default();
+        let (mut sums, mut squares) = ([0; CHANNELS], [0; CHANNELS]);
+        for ((sum, square), values) in sums.iter_mut().zip(&mut squares).zip(&candidate.profile.values) {
+            for (&m, &v) in mask.iter().zip(values) {
+                *sum += i64::from(m) * i64::from(v);
+                *square += i64::from(m) * i64::from(i32::from(v) * i32::from(v));
+            }
+        }
+        (sums, squares)
+    }
+
+    /// The exact numerators of all shifts from one correlation, then of those near the top again in
+    /// exact integers: the best shift and its exact score. Of equal shifts the smallest wins.
+    ///
+    /// `correlator` must hold this query ([`Query::load`]); a masked query is summed directly.
+    #[must_use]
+    pub fn peak(&self, candidate: &Candidate, correlator: &mut Correlator) -> Peak {
+        if self.is_masked() {
+            return self.best_of(candidate, 0..BINS);
+        }
+        let mut rough = [0; BINS];
+        let _ = correlator.correlate(|c, bin| self.other_value(candidate, c, bin), &mut rough);
+        let top = rough.iter().copied().max().unwrap_or(0);
+        let near = (0..BINS).filter(|&s| pick(&rough, s) >= top.saturating_sub(2 * CORRELATION_ERROR));
+        self.best_of(candidate, near)
+    }
+
+    /// All 360 scores by one correlation, each within 2^-14 of the exact one; a masked query is summed
+    /// directly and exactly.
+    pub fn scores(&self, candidate: &Candidate, correlator: &mut Correlator, out: &mut [Score; BINS]) {
+        if self.is_masked() {
+            for (shift, score) in out.iter_mut().enumerate() {
+                *score = self.score(candidate, shift);
+            }
+            return;
+        }
+        let mut rough = [0; BINS];
+        let exponent = correlator.correlate(|c, bin| self.other_value(candidate, c, bin), &mut rough);
+        let (_, norm) = self.parts(candidate, 0);
+        // Centred values carry a factor M on both sides, the parts only one.
+        let factor = if self.similarity == Similarity::Centred { self.total.unsigned_abs() } else { 1 };
+        let norm = norm * factor;
+        for (score, value) in out.iter_mut().zip(rough) {
+            *score = scaled_cosine(i64::from(value), exponent, self.norm * factor, norm);
+        }
+    }
+
+    /// Loads this query's weighted channels into a correlator.
+    pub fn load(&self, correlator: &mut Correlator) {
+        correlator.set_query(CHANNELS, |c, bin| {
+            let value = self.centred(i64::from(pick(self.channel(c), bin)), pick(&self.sums, c));
+            (i64::from(pick(&self.weights.0, c)) * value) as i32
+        });
+    }
+
+    fn other_value(&self, candidate: &Candidate, channel: usize, bin: usize) -> i32 {
+        let value = candidate.profile.values.get(channel).map_or(0, |v| pick(v, bin));
+        self.centred(i64::from(value), i64::from(pick(&candidate.sums, channel))) as i32
+    }
+
+    /// 360 v - sum for the centred cosine, v for the plain one; below 2^20 in magnitude.
+    fn centred(&self, value: i64, sum: i64) -> i64 {
+        match self.similarity {
+            Similarity::Plain => value,
+            Similarity::Centred => BINS as i64 * value - sum,
+        }
+    }
+
+    fn best_of(&self, candidate: &Candidate, shifts: impl Iterator<Item = usize>) -> Peak {
+        let mut best: Option<Peak> = None;
+        for shift in shifts {
+            let score_bits = self.score(candidate, shift).to_bits();
+            if best.is_none_or(|b| score_bits > b.score_bits) {
+                best = Some(Peak { shift: shift as u16, score_bits });
+            }
+        }
+        best.unwrap_or(Peak { shift: 0, score_bits: 0 })
+    }
+
+    /// The plain or centred form of a product sum.
+    fn spread(&self, products: i64, product_of_sums: i64) -> i64 {
+        match self.similarity {
+            Similarity::Plain => products,
+            Similarity::Centred => self.total * products - product_of_sums,
+        }
+    }
+
+    /// The weighted sum over channels; below 2^57.
+    fn weigh(&self, value: impl Fn(usize) -> i64) -> i64 {
+        self.weights.0.iter().enumerate().map(|(c, &w)| i64::from(w) * value(c)).sum()
+    }
+}
+
+/// What one correlation may be off by, in its own LSB.
+const CORRELATION_ERROR: i32 = 16;
+
+fn doubled(value: impl Fn(usize) -> i16) -> Doubled<i16> {
+    core::array::from_fn(|i| value(i % BINS))
+}
+
+fn pick<T: Copy + Default>(values: &[T], index: usize) -> T {
+    values.get(index).copied().unwrap_or_default()
+}
+
+/// Products of a masked query that surely fit 32 bits: 40 x 24576 x 1536 < 2^31.
+const MASKED_BLOCK: usize = 40;
+
+/// The sum of products of two channels; a block of `BLOCK` products must fit 32 bits.
+fn dot<const BLOCK: usize>(a: &[i16], b: &[i16; BINS]) -> i64 {
+    let blocks = a.as_chunks::<BLOCK>().0.iter().zip(b.as_chunks::<BLOCK>().0);
+    blocks
+        .map(|(a, b)| {
+            let sum: i32 = a.iter().zip(b).map(|(&a, &b)| i32::from(a) * i32::from(b)).sum();
+            i64::from(sum)
+        })
+        .sum()
+}

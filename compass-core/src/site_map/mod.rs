@@ -1,0 +1,3 @@
+//! The site map.
+mod packed;
+pub use packed::{PACKED_SCAN_BYTES, PackedScan};
