@@ -1,1 +1,4 @@
 //! The host side of COMPASS.
+
+pub mod figures;
+pub mod report;

@@ -1,0 +1,136 @@
+//! Correlation score by shift, with the peaks marked.
+
+use std::path::Path;
+
+use plotters::style::text_anchor::{HPos, VPos};
+
+use super::axes::{Axes, Axis, BELOW, BESIDE};
+use super::canvas::{Canvas, DrawError, Drawn};
+use super::output::FigureError;
+use super::page::{Entry, Page, Symbol};
+use super::style::{self, MUTED, Pen, TEXT_PX, nice_step};
+use super::text::text_width;
+
+const PLOT: f64 = 620.0;
+/// Space above the plot for the shifts of the peaks.
+const HEAD: f64 = 52.0;
+
+/// One labelled correlation curve.
+#[derive(Debug, Clone, Copy)]
+pub struct Curve<'a> {
+    /// What the curve is, such as "centred".
+    pub label: &'a str,
+    /// The score of each shift in degrees.
+    pub score: &'a [f64; 360],
+}
+
+impl Curve<'_> {
+    /// The shift of the largest score, the first of equal ones; `None` when no score is finite.
+    #[must_use]
+    pub fn peak(&self) -> Option<(usize, f64)> {
+        let finite = self.score.iter().copied().enumerate().filter(|(_, s)| s.is_finite());
+        finite.reduce(|best, next| if next.1 > best.1 { next } else { best })
+    }
+}
+
+/// Draws correlation scores by shift, each curve's peak marked and labelled.
+///
+/// # Errors
+/// [`FigureError`] when the file cannot be written.
+pub fn draw_correlation(path: &Path, curves: &[Curve<'_>]) -> Result<(), FigureError> {
+    let entry = |(n, curve): (usize, &Curve<'_>)| {
+        let peak = curve.peak().map_or("no peak".to_owned(), |(shift, score)| {
+            format!("peak {} at {shift}°", style::score(score))
+        });
+        Entry::new(Symbol::Line(Pen::series(n)), format!("{}: {peak}", curve.label))
+    };
+    let page = Page {
+        path,
+        caption: "Correlation score by shift of the query against the map",
+        legend: curves.iter().enumerate().map(entry).collect(),
+        body: HEAD + PLOT + BELOW,
+    };
+    page.draw(|canvas, body| {
+        let y = score_axis(curves);
+        let frame = body.inset(y.room()?, HEAD, BESIDE, BELOW);
+        let axes = Axes { frame, x: Axis::degrees("shift (degrees)"), y };
+        axes.draw_grid(canvas)?;
+        for (shift, _) in curves.iter().filter_map(Curve::peak) {
+            let x = axes.x_px(shift as f64);
+            let dropped = [[x, frame.top - 10.0], [x, frame.bottom]];
+            canvas.line(&dropped, Pen { dash: Some([8.0, 8.0]), ..Pen::solid(MUTED, 2.5) })?;
+        }
+        for (n, curve) in curves.iter().enumerate() {
+            draw_curve(canvas, &axes, curve, Pen::series(n))?;
+        }
+        for (x, text) in peak_labels(curves, &axes)? {
+            canvas.text([x, frame.top - 8.0], TEXT_PX, (HPos::Center, VPos::Bottom), &text)?;
+        }
+        axes.draw_frame(canvas)
+    })
+}
+
+fn score_axis(curves: &[Curve<'_>]) -> Axis {
+    let scores = || curves.iter().flat_map(|c| c.score).copied().filter(|s| s.is_finite());
+    let high = scores().fold(f64::NEG_INFINITY, f64::max);
+    let low = scores().fold(f64::INFINITY, f64::min);
+    if low > high {
+        return Axis::new("score", 0.0, 1.0, 5);
+    }
+    let margin = ((high - low) * 0.06).max(1e-3);
+    let step = nice_step((high - low) / 6.0);
+    let from = ((low - margin) / step).floor() * step;
+    let to = ((high + margin) / step).ceil() * step;
+    Axis::new("score", from, to, ((to - from) / step).round() as usize)
+}
+
+fn draw_curve(canvas: &Canvas<'_>, axes: &Axes, curve: &Curve<'_>, pen: Pen) -> Drawn {
+    // Shift 360 is shift 0 again.
+    let around = curve.score.iter().chain(curve.score.first()).enumerate();
+    let points: Vec<_> = around.filter(|(_, s)| s.is_finite()).map(|(n, &s)| axes.at(n as f64, s)).collect();
+    canvas.line(&points, pen)?;
+    match curve.peak() {
+        Some((shift, score)) => canvas.ring(axes.at(shift as f64, score), 11.0, 4.0, pen.colour),
+        None => Ok(()),
+    }
+}
+
+/// The shifts of the peaks above the plot; labels that would touch become one.
+fn peak_labels(curves: &[Curve<'_>], axes: &Axes) -> Result<Vec<(f64, String)>, DrawError> {
+    let mut shifts: Vec<usize> = curves.iter().filter_map(|c| Some(c.peak()?.0)).collect();
+    shifts.sort_unstable();
+    shifts.dedup();
+    let mut labels: Vec<(f64, String)> = Vec::new();
+    for shift in shifts {
+        let (x, text) = (axes.x_px(shift as f64), format!("{shift}°"));
+        match labels.last_mut() {
+            Some((at, before))
+                if x - *at < text_width(before, TEXT_PX)? / 2.0 + text_width(&text, TEXT_PX)? =>
+            {
+                *at = (*at + x) / 2.0;
+                *before = format!("{before}, {text}");
+            }
+            _ => labels.push((x, text)),
+        }
+    }
+    for (x, text) in &mut labels {
+        let half = text_width(text, TEXT_PX)? / 2.0;
+        *x = x.clamp(axes.frame.left + half - BESIDE, axes.frame.right + BESIDE - half);
+    }
+    Ok(labels)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn peak_is_the_first_largest_finite_score() {
+        let mut score = [0.0; 360];
+        score[3] = f64::NAN;
+        score[137] = 0.8;
+        score[200] = 0.8;
+        assert_eq!(Curve { label: "", score: &score }.peak(), Some((137, 0.8)));
+        assert_eq!(Curve { label: "", score: &[f64::NAN; 360] }.peak(), None);
+    }
+}

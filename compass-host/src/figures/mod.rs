@@ -1,0 +1,38 @@
+//! The plan-side pictures of a report, as PNG files fit for print at page width.
+//!
+//! Every figure is one function, `draw_…(path, plain data)`. All share one page layout (caption
+//! above, legend below, never over the data), one font that is compiled in, and one colour-blind
+//! safe palette in which wall, window and open keep their colours from figure to figure.
+//! A file appears only when it is complete.
+
+mod axes;
+mod canvas;
+mod correlation;
+mod descriptor;
+mod errors;
+mod hits;
+mod output;
+mod page;
+mod plan;
+mod polar;
+mod profile;
+mod rays;
+mod site_map;
+mod style;
+mod text;
+
+pub use correlation::{Curve, draw_correlation};
+pub use descriptor::draw_descriptor;
+pub use errors::{ErrorSeries, draw_error_cdf};
+pub use hits::{HitComparison, draw_hits_linear, draw_hits_polar};
+pub use output::FigureError;
+pub(crate) use output::write_atomically;
+pub use plan::PlanPicture;
+pub use polar::draw_polar;
+pub use profile::draw_profile;
+pub use rays::draw_rays;
+pub use site_map::{MapPose, Scores, SiteMapPicture, draw_site_map};
+pub use style::{AGREE, DISAGREE, OPEN, WALL, WIDTH_PX, WINDOW};
+
+#[cfg(test)]
+mod tests;
