@@ -45,11 +45,14 @@ pub struct Descriptor {
 
 impl Default for Descriptor {
     fn default() -> Self {
-        Self { levels: [[Level::ZERO; BINS]; CHANNELS] }
+        Self::ZERO
     }
 }
 
 impl Descriptor {
+    /// All zero: a place to [`Descriptor::fill`].
+    pub const ZERO: Self = Self { levels: [[Level::ZERO; BINS]; CHANNELS] };
+
     /// Fills the descriptor from a scan.
     pub fn fill(&mut self, scan: &Scan) {
         let [range, hit_type, gradient, proximity, deviation] = &mut self.levels;

@@ -31,11 +31,14 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod descriptor;
+mod harmonics;
+pub mod matching;
 pub mod num;
 pub mod plan;
 pub mod raster;
-pub mod descriptor;
 pub mod scan;
+pub mod signature;
 pub mod similarity;
 pub mod site_map;
 pub mod spectrum;

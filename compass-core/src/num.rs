@@ -190,6 +190,17 @@ const SINE: [i32; 91] = {
     table
 };
 
+/// Sine of whole degrees below 360 in Q30, at compile time.
+pub(crate) const fn degree_sine(degrees: usize) -> i32 {
+    let within = degrees % 90;
+    match degrees / 90 {
+        0 => SINE[within],
+        1 => SINE[90 - within],
+        2 => -SINE[within],
+        _ => -SINE[90 - within],
+    }
+}
+
 /// Cosine and sine of whole degrees below 360; multiples of 90 are exact.
 fn degree_cos_sin(degrees: usize) -> (Unit, Unit) {
     let sine = |d: usize| SINE.get(d).copied().unwrap_or(0);

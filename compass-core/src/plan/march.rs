@@ -57,7 +57,12 @@ impl Axis {
     fn new(start: i64, step: i64) -> Self {
         // Rounded up, so that its inverse errs to the short side.
         let magnitude = (step.unsigned_abs() >> 16) as u32 + 1;
-        Self { at: start + step, step, inverse: u32::MAX / magnitude, flip: if step > 0 { u32::MAX } else { 0 } }
+        Self {
+            at: start + step,
+            step,
+            inverse: u32::MAX / magnitude,
+            flip: if step > 0 { u32::MAX } else { 0 },
+        }
     }
 
     fn tile(&self) -> u32 {
@@ -262,7 +267,8 @@ mod tests {
     #[test]
     fn a_room_drawn_by_hand() {
         // 10 cm cells; the origin is at (-1, 2).
-        let drawing = Drawing::parse(&["########", "#      #", "#      =", "#      =", "#      #", "########"]);
+        let drawing =
+            Drawing::parse(&["########", "#      #", "#      =", "#      =", "#      #", "########"]);
         let bytes = drawing.pack(100_000_000);
         let plan = Plan::new(&bytes).unwrap();
         let mut scan = Scan::OPEN;
@@ -322,18 +328,20 @@ mod tests {
     /// Random clutter: thin lines, single cells and blocks.
     fn drawings() -> impl Strategy<Value = Drawing> {
         let block = (0u32..400, 0u32..300, 1u32..60, 1u32..12, any::<bool>(), any::<bool>());
-        (300u32..400, 200u32..300, proptest::collection::vec(block, 0..25)).prop_map(|(width, height, blocks)| {
-            let mut drawing = Drawing::new(width, height);
-            for (x0, y0, long, short, upright, glass) in blocks {
-                let (dx, dy) = if upright { (short, long) } else { (long, short) };
-                for x in x0..(x0 + dx).min(width) {
-                    for y in y0..(y0 + dy).min(height) {
-                        drawing.set(x, y, if glass { Hit::Window } else { Hit::Wall });
+        (300u32..400, 200u32..300, proptest::collection::vec(block, 0..25)).prop_map(
+            |(width, height, blocks)| {
+                let mut drawing = Drawing::new(width, height);
+                for (x0, y0, long, short, upright, glass) in blocks {
+                    let (dx, dy) = if upright { (short, long) } else { (long, short) };
+                    for x in x0..(x0 + dx).min(width) {
+                        for y in y0..(y0 + dy).min(height) {
+                            drawing.set(x, y, if glass { Hit::Window } else { Hit::Wall });
+                        }
                     }
                 }
-            }
-            drawing
-        })
+                drawing
+            },
+        )
     }
 
     proptest! {

@@ -43,7 +43,7 @@ const HEADER_BYTES: usize = 48;
 const MAGIC: [u8; 8] = *b"CMPSPLAN";
 const VERSION: u16 = 1;
 /// Smallest and largest cell side: below a millimetre a march step would be above 20 cells.
-const RESOLUTION_NM: core::ops::RangeInclusive<u32> = 1_000_000..=4_000_000_000;
+pub(crate) const RESOLUTION_NM: core::ops::RangeInclusive<u32> = 1_000_000..=4_000_000_000;
 
 /// Why bytes are no plan, or a plan could not be packed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

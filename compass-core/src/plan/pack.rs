@@ -1,7 +1,8 @@
 //! Packing two bit masks into a plan.
 
 use super::{
-    CRC_AT, Frame, HEADER_BYTES, Layout, MAGIC, OCCUPIED, PATTERN_BYTES, Plan, PlanError, TILE, VERSION, checksum,
+    CRC_AT, Frame, HEADER_BYTES, Layout, MAGIC, OCCUPIED, PATTERN_BYTES, Plan, PlanError, TILE, VERSION,
+    checksum,
 };
 use crate::raster::BitMask;
 

@@ -2,6 +2,7 @@
 
 use super::{Candidate, Profile, Similarity, Weights, cosine, scaled_cosine};
 use crate::descriptor::{CHANNELS, Descriptor};
+use crate::harmonics::dot;
 use crate::num::{BINS, Score};
 use crate::spectrum::Correlator;
 
@@ -141,10 +142,26 @@ impl Query {
         self.norm
     }
 
+    /// sum m q of a channel.
+    pub(crate) fn sum(&self, channel: usize) -> i64 {
+        pick(&self.sums, channel)
+    }
+
     /// m q per channel and bin, in units of 2^-10 (2^-14 for a masked query).
     #[must_use]
     pub fn channel(&self, channel: usize) -> &[i16] {
         self.values.get(channel).and_then(|v| v.get(..BINS)).unwrap_or_default()
+    }
+
+    /// The query's value at a bin without its mean, times its confidence, in units of 2^-10: what a
+    /// correlation of the centred cosine sees.
+    pub(crate) fn balanced(&self, channel: usize, bin: usize) -> i16 {
+        let (value, sum) = (i64::from(pick(self.channel(channel), bin)), pick(&self.sums, channel));
+        let mask = self.mask.as_ref().map_or(1, |m| i64::from(pick(m, bin)));
+        let full = if self.is_masked() { i64::from(Confidence::FULL) } else { 1 };
+        // m (q - mean), the mean over trusted bins; at most 1536 in magnitude.
+        let centred = value * self.total - mask * sum;
+        centred.checked_div(self.total * full).unwrap_or(0) as i16
     }
 
     /// The exact score of a candidate at one shift (taken modulo 360).
@@ -162,7 +179,11 @@ impl Query {
         let mut numerator = [0; CHANNELS];
         for ((sum, values), other) in numerator.iter_mut().zip(&self.values).zip(profile) {
             let values = values.get(start..start + BINS).unwrap_or_default();
-            *sum = if self.is_masked() { dot::<MASKED_BLOCK>(values, other) } else { dot::<BINS>(values, other) };
+            *sum = if self.is_masked() {
+                dot::<MASKED_BLOCK>(values, other)
+            } else {
+                dot::<BINS>(values, other)
+            };
         }
         let (sums, squares) = self.moments(candidate, start);
         let numerator =
@@ -282,14 +303,3 @@ fn pick<T: Copy + Default>(values: &[T], index: usize) -> T {
 
 /// Products of a masked query that surely fit 32 bits: 40 x 24576 x 1536 < 2^31.
 const MASKED_BLOCK: usize = 40;
-
-/// The sum of products of two channels; a block of `BLOCK` products must fit 32 bits.
-fn dot<const BLOCK: usize>(a: &[i16], b: &[i16; BINS]) -> i64 {
-    let blocks = a.as_chunks::<BLOCK>().0.iter().zip(b.as_chunks::<BLOCK>().0);
-    blocks
-        .map(|(a, b)| {
-            let sum: i32 = a.iter().zip(b).map(|(&a, &b)| i32::from(a) * i32::from(b)).sum();
-            i64::from(sum)
-        })
-        .sum()
-}

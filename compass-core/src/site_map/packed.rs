@@ -49,7 +49,7 @@ impl PackedScan {
         let mut bytes = [0; PACKED_SCAN_BYTES];
         let (codes, windows) = bytes.split_at_mut(BINS);
         for (code, (&steps, &hit)) in codes.iter_mut().zip(scan.steps.iter().zip(&scan.hit)) {
-            *code = if hit == Hit::Open { OPEN } else { encode(steps) };
+            *code = if hit == Hit::Open { OPEN } else { ladder_code(steps) };
         }
         for (byte, hits) in windows.iter_mut().zip(scan.hit.as_chunks::<8>().0) {
             for (bit, &hit) in hits.iter().enumerate() {
@@ -85,7 +85,7 @@ pub(crate) fn unpack(bytes: &[u8; PACKED_SCAN_BYTES], scan: &mut Scan) {
 }
 
 /// The code of the nearest rung; of two equally near ones the lower.
-fn encode(steps: u16) -> u8 {
+pub(crate) fn ladder_code(steps: u16) -> u8 {
     let above = LADDER.partition_point(|&rung| rung < steps);
     let rung = |code: usize| LADDER.get(code).copied();
     let code = match (above.checked_sub(1).and_then(rung), rung(above)) {
@@ -103,7 +103,7 @@ mod tests {
     #[test]
     fn ranges_are_kept_within_half_a_rung() {
         for steps in 1..=MAX_STEPS {
-            let kept = LADDER[usize::from(encode(steps))];
+            let kept = LADDER[usize::from(ladder_code(steps))];
             let error = f64::from(kept.abs_diff(steps));
             assert!(error <= 0.5 + 0.0083 * f64::from(steps), "{steps} became {kept}");
             assert!(steps > 60 || error == 0.0, "{steps} became {kept}");

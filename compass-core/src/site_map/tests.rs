@@ -1,0 +1,85 @@
+use super::*;
+use crate::num::{BINS, Metres, Point};
+use crate::plan::Frame;
+use crate::scan::{Hit, Scan};
+use crate::signature::Signature;
+use std::vec::Vec;
+
+impl Sink for Vec<u8> {
+    type Error = core::convert::Infallible;
+    fn append(&mut self, bytes: &[u8]) -> Result<(), Self::Error> {
+        self.extend_from_slice(bytes);
+        Ok(())
+    }
+}
+
+fn scan(seed: usize) -> Scan {
+    let mut scan = Scan { steps: [40; BINS], hit: [Hit::Wall; BINS] };
+    for j in 0..BINS {
+        scan.steps[j] = (30 + (j * seed) % 50) as u16;
+        scan.hit[j] = if (j / 20 + seed) % 4 == 0 { Hit::Window } else { Hit::Wall };
+    }
+    scan
+}
+
+fn header() -> Header {
+    Header {
+        candidates: 3,
+        layers: 1,
+        frame: Frame {
+            resolution_nm: 10_000_000,
+            origin: Point::new(Metres::from_num(-5), Metres::from_num(2)),
+        },
+        spacing_mm: 500,
+        plan_size: [700, 400],
+        plan_checksum: 0x1234_5678,
+    }
+}
+
+fn map() -> Vec<u8> {
+    let mut writer = Writer::new(Vec::new(), &header()).unwrap();
+    for index in 0..3_u16 {
+        writer.candidate([100 * index, 7], &[Layer::new(&scan(usize::from(index) + 1))]).unwrap();
+    }
+    writer.finish().unwrap()
+}
+
+#[test]
+fn what_was_written_is_read() {
+    let bytes = map();
+    assert_eq!(Some(bytes.len()), header().map_bytes());
+    let map = SiteMap::new(&bytes).unwrap();
+    map.verify().unwrap();
+    assert_eq!(map.header(), &header());
+    assert_eq!(map.len(), 3);
+    let mut read = Scan::OPEN;
+    let record = map.get(2).unwrap();
+    record.scan(&mut read);
+    assert_eq!(read, scan(3), "ranges below 1.2 m are kept exactly");
+    assert_eq!(record.cell(), [200, 7]);
+    assert_eq!(record.signature(), Signature::new(&scan(3)));
+    let position = map.position(2).unwrap();
+    assert!((position.x.to_num::<f64>() - (-5.0 + 2.005)).abs() < 1e-9);
+    assert!((position.y.to_num::<f64>() - 2.075).abs() < 1e-9);
+    assert!(map.get(3).is_none());
+    assert_eq!(map.iter().count(), 3);
+}
+
+#[test]
+fn every_truncation_and_every_flipped_byte_is_refused() {
+    let bytes = map();
+    for len in 0..bytes.len() {
+        assert!(SiteMap::new(&bytes[..len]).is_err(), "{len} bytes");
+    }
+    assert_eq!(SiteMap::new(&bytes[..30]).unwrap_err(), SiteMapError::Length);
+    assert_eq!(SiteMap::new(b"PNG").unwrap_err(), SiteMapError::Magic);
+    for at in 0..bytes.len() {
+        let mut damaged = bytes.clone();
+        damaged[at] ^= 0x20;
+        let refused = SiteMap::new(&damaged).and_then(|map| map.verify());
+        assert!(refused.is_err(), "byte {at}");
+    }
+    let mut newer = bytes;
+    newer[8] = 2;
+    assert_eq!(SiteMap::new(&newer).unwrap_err(), SiteMapError::Version(2));
+}

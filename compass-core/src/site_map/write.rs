@@ -1,0 +1,156 @@
+//! Writing a site map, candidate by candidate.
+
+use super::{
+    CELL_BYTES, CRC32, HEADER_BYTES, LAYER_BYTES, MAGIC, PackedScan, Sketch, TRAILER_BYTES, VERSION,
+};
+use crate::descriptor::Descriptor;
+use crate::plan::Frame;
+use crate::scan::Scan;
+use crate::signature::Signature;
+use crate::similarity::Candidate;
+
+/// Where the bytes of a map go.
+pub trait Sink {
+    /// Why bytes could not be stored.
+    type Error;
+
+    /// Appends bytes.
+    ///
+    /// # Errors
+    /// Whatever the sink reports.
+    fn append(&mut self, bytes: &[u8]) -> Result<(), Self::Error>;
+}
+
+impl<S: Sink> Sink for &mut S {
+    type Error = S::Error;
+    fn append(&mut self, bytes: &[u8]) -> Result<(), S::Error> {
+        (**self).append(bytes)
+    }
+}
+
+/// What a map says of itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Header {
+    /// Number of candidates.
+    pub candidates: u32,
+    /// Layers per candidate, 1 or 2.
+    pub layers: u8,
+    /// Resolution and origin of the plan.
+    pub frame: Frame,
+    /// Distance between candidates in millimetres.
+    pub spacing_mm: u32,
+    /// Width and height of the plan in cells.
+    pub plan_size: [u32; 2],
+    /// Checksum of the packed plan.
+    pub plan_checksum: u32,
+}
+
+impl Header {
+    /// Bytes of the whole map; `None` when it is more than this machine can address.
+    #[must_use]
+    pub fn map_bytes(&self) -> Option<usize> {
+        let record = CELL_BYTES + usize::from(self.layers) * LAYER_BYTES;
+        let records = usize::try_from(self.candidates).ok()?.checked_mul(record)?;
+        records.checked_add(HEADER_BYTES + TRAILER_BYTES)
+    }
+
+    fn to_bytes(self) -> [u8; HEADER_BYTES] {
+        let mut bytes = [0; HEADER_BYTES];
+        let mut at = 0;
+        let mut put = |field: &[u8]| {
+            if let Some(slot) = bytes.get_mut(at..at + field.len()) {
+                slot.copy_from_slice(field);
+            }
+            at += field.len();
+        };
+        put(&MAGIC);
+        put(&VERSION.to_le_bytes());
+        put(&[self.layers, 0]);
+        put(&self.candidates.to_le_bytes());
+        put(&self.frame.resolution_nm.to_le_bytes());
+        put(&self.spacing_mm.to_le_bytes());
+        put(&self.frame.origin.x.to_bits().to_le_bytes());
+        put(&self.frame.origin.y.to_bits().to_le_bytes());
+        put(&self.plan_size[0].to_le_bytes());
+        put(&self.plan_size[1].to_le_bytes());
+        put(&self.plan_checksum.to_le_bytes());
+        let (body, crc) = bytes.split_at_mut(HEADER_BYTES - 4);
+        crc.copy_from_slice(&CRC32.checksum(body).to_le_bytes());
+        bytes
+    }
+}
+
+/// Writes a map: the header at once, then every candidate, then [`Writer::finish`].
+pub struct Writer<S> {
+    sink: S,
+    digest: crc::Digest<'static, u32>,
+}
+
+impl<S: core::fmt::Debug> core::fmt::Debug for Writer<S> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Writer").field("sink", &self.sink).finish_non_exhaustive()
+    }
+}
+
+impl<S: Sink> Writer<S> {
+    /// Begins a map. As many candidates as the header says must follow; the reader finds out.
+    ///
+    /// # Errors
+    /// What the sink reports.
+    pub fn new(sink: S, header: &Header) -> Result<Self, S::Error> {
+        let mut writer = Self { sink, digest: CRC32.digest() };
+        writer.append(&header.to_bytes())?;
+        Ok(writer)
+    }
+
+    /// Appends one candidate: its plan cell and one scan per layer, cast with heading 0.
+    ///
+    /// # Errors
+    /// What the sink reports.
+    pub fn candidate(&mut self, cell: [u16; 2], layers: &[Layer]) -> Result<(), S::Error> {
+        self.append(&cell[0].to_le_bytes())?;
+        self.append(&cell[1].to_le_bytes())?;
+        for layer in layers {
+            self.append(&layer.0)?;
+        }
+        Ok(())
+    }
+
+    /// Ends the map and gives the sink back.
+    ///
+    /// # Errors
+    /// What the sink reports.
+    pub fn finish(mut self) -> Result<S, S::Error> {
+        let crc = self.digest.finalize().to_le_bytes();
+        self.sink.append(&crc)?;
+        Ok(self.sink)
+    }
+
+    fn append(&mut self, bytes: &[u8]) -> Result<(), S::Error> {
+        self.digest.update(bytes);
+        self.sink.append(bytes)
+    }
+}
+
+/// One layer of a candidate, ready to be written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Layer([u8; LAYER_BYTES]);
+
+impl Layer {
+    /// Digests a scan cast with heading 0.
+    #[must_use]
+    pub fn new(scan: &Scan) -> Self {
+        let packed = PackedScan::new(scan);
+        // Everything is derived from what a reader will see.
+        let mut kept = Scan::OPEN;
+        packed.unpack(&mut kept);
+        let sketch = Sketch::new(&Candidate::from(&Descriptor::from(&kept)));
+        let mut bytes = [0; LAYER_BYTES];
+        let values =
+            Signature::new(&kept).0.into_iter().chain(sketch.0.map(i8::cast_unsigned)).chain(packed.0);
+        for (byte, value) in bytes.iter_mut().zip(values) {
+            *byte = value;
+        }
+        Self(bytes)
+    }
+}
