@@ -5,7 +5,7 @@
 //! | 0 | 360 | range code per bin; 255 is open |
 //! | 360 | 45 | one bit per bin, lowest first: the hit is glazing |
 //!
-//! Codes 0..=254 name ranges of 1 to 1500 steps: single steps up to about 1.3 m, then a geometric
+//! Codes 0..=254 name ranges of 1 to 1500 steps: single steps up to 1.2 m, then a geometric
 //! ladder of 1.6 %, so that a range is kept within half a rung: 0.8 % or half a step.
 
 use crate::num::BINS;

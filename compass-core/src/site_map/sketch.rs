@@ -138,15 +138,18 @@ mod tests {
     }
 
     #[test]
-    fn its_own_place_ranks_first_at_any_heading() {
+    fn its_own_place_ranks_high_at_any_heading() {
         let mut query = Box::new(Query::EMPTY);
-        for turn in [0, 17, 200, 343] {
+        let mut first = 0;
+        for turn in (0..BINS).step_by(12) {
             query.set(&descriptor(7, turn), &Confidence::CERTAIN, Weights::EQUAL, Similarity::Centred);
             let sketch = SketchQuery::new(&query);
             let rank = |seed: usize| sketch.rank(&Sketch::new(&Candidate::from(&descriptor(seed, 0))));
-            for other in [3, 5, 11, 13, 29] {
-                assert!(rank(7) > rank(other), "turn {turn}, seed {other}: {} {}", rank(7), rank(other));
-            }
+            let better =
+                [3, 5, 11, 13, 29, 31, 37, 41, 43].into_iter().filter(|&s| rank(s) >= rank(7)).count();
+            assert!(better <= 2, "turn {turn}: {better} of 9 rank higher");
+            first += usize::from(better == 0);
         }
+        assert!(first >= 20, "first at {first} of 30 headings");
     }
 }

@@ -16,7 +16,7 @@ impl Sink for Vec<u8> {
 fn scan(seed: usize) -> Scan {
     let mut scan = Scan { steps: [40; BINS], hit: [Hit::Wall; BINS] };
     for j in 0..BINS {
-        scan.steps[j] = (30 + (j * seed) % 50) as u16;
+        scan.steps[j] = (30 + (j * seed) % 30) as u16;
         scan.hit[j] = if (j / 20 + seed) % 4 == 0 { Hit::Window } else { Hit::Wall };
     }
     scan
@@ -55,7 +55,7 @@ fn what_was_written_is_read() {
     let mut read = Scan::OPEN;
     let record = map.get(2).unwrap();
     record.scan(&mut read);
-    assert_eq!(read, scan(3), "ranges below 1.2 m are kept exactly");
+    assert!(read == scan(3), "ranges up to 1.2 m are kept exactly");
     assert_eq!(record.cell(), [200, 7]);
     assert_eq!(record.signature(), Signature::new(&scan(3)));
     let position = map.position(2).unwrap();

@@ -1,0 +1,337 @@
+//! Pixels to walls and glazing.
+//!
+//! **First look**, each pixel alone. Redness is `R - max(G, B)`, luma is that of BT.601.
+//! - glazing: redness at least `red_excess`; *faint* when below twice that
+//! - wall: luma below `dark_below`; *plain* when below 3/4 of that with redness below a quarter of
+//!   `red_excess` (black or dark gray ink), else *doubtful*
+//! - free: the rest
+//!
+//! In a pair, glazing is also what is dark in the plan and not dark in the image of the walls, faint
+//! when the two lumas differ by less than [`FAINT_STEP`]; the walls image alone says what is wall,
+//! and its walls are all plain.
+//!
+//! **Second look**, for the doubtful and the faint, at their eight neighbours. Smoothed edges and
+//! JPEG's coarse chroma turn the rim of a red line dark and the rim of a black line reddish:
+//! - a doubtful wall pixel that touches glazing, but no wall that is plain or away from glazing, is
+//!   the rim of that glazing
+//! - a faint glazing pixel that touches more wall than glazing, or at least three wall pixels and
+//!   less glazing than the straight rim of a line does, is the rim of that wall: wall when dark,
+//!   else free
+//!
+//! All pixels are judged by the first look of their neighbours, so the order does not matter. Plain
+//! and full pixels are never changed: clean drawings keep every pixel. Cost: one pass, and 3 x 3
+//! or 5 x 5 pixels for each doubtful or faint one; gray images need neither map nor second look.
+
+use super::decode::{Pixels, Samples};
+
+/// Luma steps between the two images of a pair from which glazing is certain.
+const FAINT_STEP: u8 = 64;
+
+/// Glazing neighbours of a pixel on the straight rim of glazing: three within, two along the rim.
+const STRAIGHT_RIM: u32 = 5;
+
+const FREE: u8 = 0;
+const WALL: u8 = 1;
+const DOUBTFUL_WALL: u8 = 2;
+const WINDOW: u8 = 3;
+const FAINT_DARK: u8 = 4;
+const FAINT_LIGHT: u8 = 5;
+
+/// What counts as dark and as red.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Ink {
+    /// Whether darkness is the luma itself instead of its complement (a negated map).
+    pub inverted: bool,
+    /// The first luma that is not dark, 0..=256, after inversion.
+    pub dark_below: u16,
+    /// The least redness of glazing.
+    pub red_excess: u8,
+}
+
+impl Ink {
+    /// Dark ink on light paper.
+    pub(super) fn new(dark_below: u16, red_excess: u8) -> Self {
+        Self { inverted: false, dark_below, red_excess }
+    }
+
+    fn luma(&self, luma: u8) -> u8 {
+        if self.inverted { 255 - luma } else { luma }
+    }
+
+    fn is_dark(&self, luma: u8) -> bool {
+        u16::from(luma) < self.dark_below
+    }
+
+    /// First look at a colour pixel.
+    fn judge(&self, rgb: [u8; 3]) -> u8 {
+        let redness = redness(rgb);
+        let luma = self.luma(luma_of(rgb));
+        let dark = self.is_dark(luma);
+        if redness > 0 && redness >= self.red_excess {
+            return match (u16::from(redness) >= 2 * u16::from(self.red_excess), dark) {
+                (true, _) => WINDOW,
+                (false, true) => FAINT_DARK,
+                (false, false) => FAINT_LIGHT,
+            };
+        }
+        let plain = 4 * u16::from(luma) < 3 * self.dark_below && redness <= self.red_excess / 4;
+        match (dark, plain) {
+            (false, _) => FREE,
+            (true, true) => WALL,
+            (true, false) => DOUBTFUL_WALL,
+        }
+    }
+}
+
+/// Walls and glazing, packed as `BitMask` wants them, south row first.
+#[derive(Debug)]
+pub(super) struct Masks {
+    pub walls: Vec<u8>,
+    pub windows: Vec<u8>,
+}
+
+impl Masks {
+    /// Whether every pixel is wall.
+    pub(super) fn walls_fill(&self, width: u32, height: u32) -> bool {
+        let set: u64 = self.walls.iter().map(|byte| u64::from(byte.count_ones())).sum();
+        set == u64::from(width) * u64::from(height)
+    }
+}
+
+/// Walls and glazing of one image.
+pub(super) fn one_image(plan: &Pixels, ink: &Ink) -> Masks {
+    let width = plan.width as usize;
+    match &plan.samples {
+        Samples::Gray(gray) => {
+            let walls = pack(gray, width, |v| ink.is_dark(ink.luma(v)));
+            Masks { windows: vec![0; walls.len()], walls }
+        }
+        Samples::Rgb(rgb) => {
+            second_look(&rgb.as_chunks::<3>().0.iter().map(|&p| ink.judge(p)).collect::<Vec<_>>(), width)
+        }
+    }
+}
+
+/// Walls of `walls`, and as glazing what `plan` has beyond them. Both have the same size.
+pub(super) fn pair(plan: &Pixels, walls: &Pixels, ink: &Ink) -> Masks {
+    let (plan_luma, walls_luma) = (lumas(plan, ink), lumas(walls, ink));
+    let mut looks: Vec<u8> = plan_luma
+        .iter()
+        .zip(&walls_luma)
+        .map(|(&p, &w)| match (ink.is_dark(w), ink.is_dark(p)) {
+            (true, _) => WALL,
+            (false, false) => FREE,
+            (false, true) if w - p >= FAINT_STEP => WINDOW,
+            (false, true) => FAINT_LIGHT,
+        })
+        .collect();
+    if let Samples::Rgb(rgb) = &plan.samples {
+        for (look, &pixel) in looks.iter_mut().zip(rgb.as_chunks::<3>().0) {
+            *look = match (*look, ink.judge(pixel)) {
+                (FREE | FAINT_LIGHT, WINDOW) => WINDOW,
+                (FREE, FAINT_DARK | FAINT_LIGHT) => FAINT_LIGHT,
+                (look, _) => look,
+            };
+        }
+    }
+    second_look(&looks, plan.width as usize)
+}
+
+fn redness([r, g, b]: [u8; 3]) -> u8 {
+    r.saturating_sub(g.max(b))
+}
+
+/// BT.601 luma in 16-bit fixed point, rounded to nearest; the weights sum to 65536.
+fn luma_of([r, g, b]: [u8; 3]) -> u8 {
+    let sum = 19_595 * u32::from(r) + 38_470 * u32::from(g) + 7_471 * u32::from(b) + 32_768;
+    sum.to_le_bytes()[2]
+}
+
+fn lumas(pixels: &Pixels, ink: &Ink) -> Vec<u8> {
+    match &pixels.samples {
+        Samples::Gray(gray) => gray.iter().map(|&v| ink.luma(v)).collect(),
+        Samples::Rgb(rgb) => rgb.as_chunks::<3>().0.iter().map(|&p| ink.luma(luma_of(p))).collect(),
+    }
+}
+
+/// Packs rows of `width` values, top row first, into a mask, bottom row first.
+fn pack(values: &[u8], width: usize, set: impl Fn(u8) -> bool + Copy) -> Vec<u8> {
+    let mut packed = Vec::with_capacity(width.div_ceil(8) * (values.len() / width));
+    for row in values.rchunks_exact(width) {
+        let (eights, rest) = row.as_chunks::<8>();
+        let byte = |bits: &[u8]| bits.iter().rev().fold(0, |byte, &v| byte << 1 | u8::from(set(v)));
+        packed.extend(eights.iter().map(|eight| byte(eight)));
+        if !rest.is_empty() {
+            packed.push(byte(rest));
+        }
+    }
+    packed
+}
+
+/// Settles doubtful and faint pixels by their neighbours and packs the two masks.
+fn second_look(looks: &[u8], width: usize) -> Masks {
+    let walls = pack(looks, width, |look| matches!(look, WALL | DOUBTFUL_WALL));
+    let windows = pack(looks, width, |look| matches!(look, WINDOW | FAINT_DARK | FAINT_LIGHT));
+    let mut masks = Masks { walls, windows };
+    let map = Looks { looks, width };
+    let row_bytes = width.div_ceil(8);
+    for (south, row) in looks.rchunks_exact(width).enumerate() {
+        let north = looks.len() / width - 1 - south;
+        for (x, &look) in row.iter().enumerate() {
+            let Some(settled) = map.settle(look, x, north) else { continue };
+            let (at, bit) = (south * row_bytes + x / 8, 1_u8 << (x % 8));
+            masks.walls[at] &= !bit;
+            masks.windows[at] &= !bit;
+            match settled {
+                WALL => masks.walls[at] |= bit,
+                WINDOW => masks.windows[at] |= bit,
+                _ => {}
+            }
+        }
+    }
+    masks
+}
+
+/// The first look at every pixel, top row first.
+#[derive(Clone, Copy)]
+struct Looks<'a> {
+    looks: &'a [u8],
+    width: usize,
+}
+
+impl Looks<'_> {
+    /// What the pixel becomes when its neighbours overrule the first look.
+    fn settle(self, look: u8, x: usize, y: usize) -> Option<u8> {
+        match look {
+            DOUBTFUL_WALL => (self.touches_glazing(x, y) && !self.touches_sound_wall(x, y)).then_some(WINDOW),
+            FAINT_DARK if self.is_wall_rim(x, y) => Some(WALL),
+            FAINT_LIGHT if self.is_wall_rim(x, y) => Some(FREE),
+            _ => None,
+        }
+    }
+
+    fn touches_glazing(self, x: usize, y: usize) -> bool {
+        self.around(x, y).any(|(look, ..)| is_glazing(look))
+    }
+
+    fn touches_sound_wall(self, x: usize, y: usize) -> bool {
+        self.around(x, y)
+            .any(|(look, x, y)| look == WALL || (look == DOUBTFUL_WALL && !self.touches_glazing(x, y)))
+    }
+
+    fn is_wall_rim(self, x: usize, y: usize) -> bool {
+        let (mut walls, mut glazing) = (0, 0);
+        for (look, ..) in self.around(x, y) {
+            walls += u32::from(matches!(look, WALL | DOUBTFUL_WALL));
+            glazing += u32::from(is_glazing(look));
+        }
+        walls > glazing || (walls >= 3 && glazing < STRAIGHT_RIM)
+    }
+
+    /// The neighbours of (x, y) inside the image, with their positions.
+    fn around(self, x: usize, y: usize) -> impl Iterator<Item = (u8, usize, usize)> {
+        let height = self.looks.len() / self.width;
+        let rows = y.saturating_sub(1)..(y + 2).min(height);
+        let columns = x.saturating_sub(1)..(x + 2).min(self.width);
+        rows.flat_map(move |v| columns.clone().map(move |u| (u, v)))
+            .filter(move |&at| at != (x, y))
+            .map(move |(u, v)| (self.looks[v * self.width + u], u, v))
+    }
+}
+
+fn is_glazing(look: u8) -> bool {
+    matches!(look, WINDOW | FAINT_DARK | FAINT_LIGHT)
+}
+
+#[cfg(test)]
+mod tests {
+    use compass_core::raster::BitMask;
+
+    use super::*;
+
+    const INK: Ink = Ink { inverted: false, dark_below: 128, red_excess: 60 };
+
+    /// Settles a drawing: `#` wall, `d` doubtful, `W` glazing, `f` faint dark, `l` faint light.
+    fn settled(drawing: &[&str]) -> Vec<String> {
+        let width = drawing[0].len();
+        let looks: Vec<u8> =
+            drawing.concat().bytes().map(|c| ".#dWfl".find(char::from(c)).unwrap() as u8).collect();
+        let masks = second_look(&looks, width);
+        let height = u32::try_from(drawing.len()).unwrap();
+        let columns = u32::try_from(width).unwrap();
+        let walls = BitMask::new(&masks.walls, columns, height).unwrap();
+        let windows = BitMask::new(&masks.windows, columns, height).unwrap();
+        let pixel = |x, y| match (walls.get(x, y), windows.get(x, y)) {
+            (true, false) => '#',
+            (false, true) => 'W',
+            (false, false) => '.',
+            (true, true) => 'X',
+        };
+        (0..height).rev().map(|y| (0..columns).map(|x| pixel(x, y)).collect()).collect()
+    }
+
+    #[test]
+    fn judges_single_colours() {
+        assert_eq!(INK.judge([255, 255, 255]), FREE);
+        assert_eq!(INK.judge([0, 0, 0]), WALL);
+        assert_eq!(INK.judge([255, 0, 0]), WINDOW);
+        assert_eq!(INK.judge([255, 180, 180]), FAINT_LIGHT, "pink rim");
+        assert_eq!(INK.judge([90, 0, 0]), FAINT_DARK, "chroma bled into black");
+        assert_eq!(INK.judge([120, 120, 120]), DOUBTFUL_WALL);
+        assert_eq!(INK.judge([128, 128, 128]), FREE);
+        assert_eq!(INK.judge([0, 0, 255]), WALL, "blue ink is dark");
+        let negated = Ink { inverted: true, ..INK };
+        assert_eq!((negated.judge([255; 3]), negated.judge([0; 3])), (WALL, FREE));
+        let any = Ink { red_excess: 0, ..INK };
+        assert_eq!((any.judge([0; 3]), any.judge([255; 3])), (WALL, FREE), "gray is never red");
+    }
+
+    #[test]
+    fn luma_spans_the_range() {
+        assert_eq!((luma_of([0; 3]), luma_of([255; 3]), luma_of([255, 0, 0])), (0, 255, 76));
+        assert!((0..=255).all(|v| luma_of([v; 3]) == v));
+    }
+
+    #[test]
+    fn dark_rim_of_glazing_joins_it() {
+        let drawing = [
+            ".............", //
+            "##ddddddddd##",
+            "##WWWWWWWWW##",
+            "##WWWWWWWWW##",
+            ".............",
+        ];
+        let wanted = [
+            ".............", //
+            "##dWWWWWWWd##",
+            "##WWWWWWWWW##",
+            "##WWWWWWWWW##",
+            ".............",
+        ];
+        assert_eq!(settled(&drawing), wanted.map(|row| row.replace('d', "#")));
+    }
+
+    #[test]
+    fn clean_ink_is_never_changed() {
+        let drawing = ["##W#WW#", "..W....", "#WW####", "#W#W#W#"];
+        assert_eq!(settled(&drawing), drawing);
+    }
+
+    #[test]
+    fn reddish_rim_of_a_wall_is_dropped_or_joins_it() {
+        let drawing = ["llllll", "######", "######", "ffffff", "......"];
+        assert_eq!(settled(&drawing), ["......", "######", "######", "######", "......"]);
+    }
+
+    #[test]
+    fn faint_glazing_lives_in_the_open_and_beside_full_glazing() {
+        let drawing = ["#lll#", ".....", "#lWl#", "....."];
+        assert_eq!(settled(&drawing), ["#WWW#", ".....", "#WWW#", "....."]);
+    }
+
+    #[test]
+    fn packs_least_bit_first_and_bottom_row_first() {
+        let values = [1, 0, 0, 0, 0, 0, 0, 0, 1, 0, 1, 0, 0, 0, 0, 0, 1, 0];
+        assert_eq!(pack(&values, 9, |v| v == 1), [0b1000_0010, 0, 1, 1]);
+    }
+}

@@ -1,0 +1,135 @@
+//! Image files to 8-bit gray or RGB over white paper.
+
+use std::io::Cursor;
+use std::path::Path;
+
+use image::error::ImageError;
+use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
+
+use super::{PlanImportError, check_size, one_line};
+
+/// Memory one decoder may claim: a 16-bit RGBA plan of 20 000 x 20 000 pixels fits, a damaged
+/// header that claims the largest size does not.
+const MAX_DECODED_BYTES: u64 = 4 << 30;
+
+/// The samples of a decoded image, top row first.
+#[derive(Debug)]
+pub(super) struct Pixels {
+    /// Pixels along x, 1..=65535.
+    pub width: u32,
+    /// Pixels along y, 1..=65535.
+    pub height: u32,
+    /// The samples.
+    pub samples: Samples,
+}
+
+/// Gray stays gray: such an image has no red, and is judged faster.
+#[derive(Debug)]
+pub(super) enum Samples {
+    /// One byte per pixel.
+    Gray(Vec<u8>),
+    /// Three bytes per pixel.
+    Rgb(Vec<u8>),
+}
+
+impl Pixels {
+    /// The colour of every pixel, when there is but one.
+    pub(super) fn only_colour(&self) -> Option<[u8; 3]> {
+        match &self.samples {
+            Samples::Gray(gray) => {
+                let first = *gray.first()?;
+                gray.iter().all(|&v| v == first).then_some([first; 3])
+            }
+            Samples::Rgb(rgb) => {
+                let first = *rgb.first_chunk::<3>()?;
+                rgb.as_chunks::<3>().0.iter().all(|&v| v == first).then_some(first)
+            }
+        }
+    }
+}
+
+/// Decodes the image at `path`, whatever its extension says.
+pub(super) fn read(path: &Path) -> Result<Pixels, PlanImportError> {
+    let bytes =
+        std::fs::read(path).map_err(|source| PlanImportError::Read { path: path.to_path_buf(), source })?;
+    let not_an_image = || PlanImportError::NotAnImage { path: path.to_path_buf() };
+    let damaged = |error: ImageError| PlanImportError::Damaged {
+        path: path.to_path_buf(),
+        reason: one_line(&error.to_string()),
+    };
+    let format = image::guess_format(&bytes).map_err(|_| not_an_image())?;
+    if !format.reading_enabled() {
+        return Err(not_an_image());
+    }
+    if format == ImageFormat::Jpeg && !jpeg_is_complete(&bytes) {
+        return Err(PlanImportError::Damaged {
+            path: path.to_path_buf(),
+            reason: "the JPEG data stops before its end marker".to_owned(),
+        });
+    }
+    let mut reader = ImageReader::with_format(Cursor::new(&bytes), format);
+    let mut limits = Limits::no_limits();
+    limits.max_alloc = Some(MAX_DECODED_BYTES);
+    reader.limits(limits);
+    let decoder = reader.into_decoder().map_err(damaged)?;
+    let (width, height) = decoder.dimensions();
+    check_size(path, width, height)?;
+    if decoder.total_bytes() > MAX_DECODED_BYTES {
+        return Err(PlanImportError::Damaged {
+            path: path.to_path_buf(),
+            reason: format!("its header claims {width} x {height} pixels, which need more than 4 GiB"),
+        });
+    }
+    let image = DynamicImage::from_decoder(decoder).map_err(damaged)?;
+    Ok(Pixels { width, height, samples: samples(image) })
+}
+
+/// Whether an end marker follows the last scan; the decoder itself fills what is missing with gray.
+fn jpeg_is_complete(bytes: &[u8]) -> bool {
+    let marker = |code: u8| bytes.windows(2).rposition(|pair| pair == [0xff, code]);
+    marker(0xd9) > marker(0xda)
+}
+
+fn samples(image: DynamicImage) -> Samples {
+    match image {
+        DynamicImage::ImageLuma8(gray) => Samples::Gray(gray.into_raw()),
+        DynamicImage::ImageRgb8(rgb) => Samples::Rgb(rgb.into_raw()),
+        other => match (other.color().has_color(), other.color().has_alpha()) {
+            (false, false) => Samples::Gray(other.into_luma8().into_raw()),
+            (false, true) => Samples::Gray(over_white::<2, 1>(other.into_luma_alpha8().as_raw())),
+            (true, false) => Samples::Rgb(other.into_rgb8().into_raw()),
+            (true, true) => Samples::Rgb(over_white::<4, 3>(other.into_rgba8().as_raw())),
+        },
+    }
+}
+
+/// Pixels of `N` samples, the last of them alpha, laid over white: `C = N - 1` samples each.
+fn over_white<const N: usize, const C: usize>(samples: &[u8]) -> Vec<u8> {
+    let mut flat = Vec::with_capacity(samples.len() / N * C);
+    for pixel in samples.as_chunks::<N>().0 {
+        let alpha = u32::from(pixel[C]);
+        for &value in &pixel[..C] {
+            let mixed = (u32::from(value) * alpha + 255 * (255 - alpha) + 127) / 255;
+            flat.push(u8::try_from(mixed).unwrap_or(u8::MAX));
+        }
+    }
+    flat
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn alpha_is_laid_over_white() {
+        assert_eq!(over_white::<2, 1>(&[0, 0, 0, 255, 100, 128]), [255, 0, 177]);
+        assert_eq!(over_white::<4, 3>(&[255, 0, 0, 255, 9, 9, 9, 0]), [255, 0, 0, 255, 255, 255]);
+    }
+
+    #[test]
+    fn end_marker_must_follow_the_scan() {
+        assert!(jpeg_is_complete(&[0xff, 0xda, 1, 2, 0xff, 0xd9]));
+        assert!(!jpeg_is_complete(&[0xff, 0xd9, 0xff, 0xda, 1, 2]), "only the thumbnail ends");
+        assert!(!jpeg_is_complete(&[0xff, 0xd8]));
+    }
+}

@@ -1,0 +1,396 @@
+//! Floor plans from image files: a wall mask and a glazing mask, south row first.
+//!
+//! Three inputs are read: one image (dark = wall, red = glazing), a pair of images of one size
+//! (glazing = what the plan has beyond the walls), or a ROS `map_server` description (`.yaml`).
+//! How a pixel is judged is told in [`classify`]; this module checks what surrounds the pixels.
+
+mod classify;
+mod decode;
+mod ros_map;
+
+use std::path::{Path, PathBuf};
+
+use compass_core::raster::{BitMask, MAX_SIDE};
+use thiserror::Error;
+
+use classify::{Ink, Masks};
+use decode::Pixels;
+
+/// Metres per pixel when neither the options nor a map description say otherwise.
+pub const DEFAULT_RESOLUTION_M: f64 = 0.01;
+
+/// Finest and coarsest metres per pixel accepted.
+pub const RESOLUTION_RANGE_M: std::ops::RangeInclusive<f64> = 0.001..=4.0;
+
+/// Luma below which a pixel is dark, unless the options say otherwise.
+pub const DEFAULT_DARK_BELOW: u8 = 128;
+
+/// `R - max(G, B)` from which a pixel is red, unless the options say otherwise.
+pub const DEFAULT_RED_EXCESS: u8 = 60;
+
+/// Why a plan could not be imported: one line, with the file at fault.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum PlanImportError {
+    /// The file could not be opened or read.
+    #[error("{}: cannot be read: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The file is no PNG, JPEG, PGM, BMP or TIFF image.
+    #[error("{}: not a PNG, JPEG, PGM, BMP or TIFF image", path.display())]
+    NotAnImage {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The file starts as an image but cannot be decoded; a truncated file ends here.
+    #[error("{}: damaged or truncated image: {reason}", path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What the decoder said, in one line.
+        reason: String,
+    },
+    /// A side of the image is 0 or longer than [`MAX_SIDE`].
+    #[error("{}: {width} x {height} pixels; each side must be 1 to 65535", path.display())]
+    Size {
+        /// The file.
+        path: PathBuf,
+        /// Pixels along x.
+        width: u32,
+        /// Pixels along y.
+        height: u32,
+    },
+    /// The two images of a pair differ in size.
+    #[error("{}: {walls_width} x {walls_height} pixels, but {} has {plan_width} x {plan_height}",
+            walls.display(), plan.display())]
+    PairSize {
+        /// The plan image.
+        plan: PathBuf,
+        /// Its pixels along x.
+        plan_width: u32,
+        /// Its pixels along y.
+        plan_height: u32,
+        /// The image of the walls alone.
+        walls: PathBuf,
+        /// Its pixels along x.
+        walls_width: u32,
+        /// Its pixels along y.
+        walls_height: u32,
+    },
+    /// The image is one flat colour.
+    #[error("{}: every pixel is {colour}; there is no plan in it", path.display())]
+    OneColour {
+        /// The file.
+        path: PathBuf,
+        /// The colour, as `#rrggbb`.
+        colour: String,
+    },
+    /// No pixel of the image is a wall.
+    #[error("{}: no walls: no pixel is darker than {dark_below} of 255 without being red", path.display())]
+    NoWalls {
+        /// The file.
+        path: PathBuf,
+        /// The first luma that is not dark (of the inverted image when the map is negated).
+        dark_below: u16,
+    },
+    /// A map description is not YAML, or lacks a field, or a field has the wrong type.
+    #[error("{}: not a ROS map description: {reason}", path.display())]
+    Yaml {
+        /// The description.
+        path: PathBuf,
+        /// What the parser said, with line and column where known, in one line.
+        reason: String,
+    },
+    /// A value is outside what is accepted.
+    #[error("{}: {field} is {value}; {wanted}", path.display())]
+    Value {
+        /// The plan or the map description.
+        path: PathBuf,
+        /// What the value is for.
+        field: &'static str,
+        /// The value refused.
+        value: String,
+        /// What would be accepted.
+        wanted: &'static str,
+    },
+}
+
+/// Where a plan is and how to read it.
+#[derive(Debug, Clone)]
+pub struct PlanOptions {
+    /// An image, or a ROS `map_server` description ending in `.yaml` or `.yml`.
+    pub plan: PathBuf,
+    /// An image of the same size with the walls alone; glazing is what the plan has beyond it.
+    pub walls: Option<PathBuf>,
+    /// Metres per pixel; `None`: the map description's, or [`DEFAULT_RESOLUTION_M`].
+    pub resolution_m: Option<f64>,
+    /// Map position in metres of the outer corner of the bottom-left pixel; `None`: the map
+    /// description's, or (0, 0).
+    pub origin: Option<[f64; 2]>,
+    /// A pixel is dark when its luma is below this. A map description's `occupied_thresh` replaces it.
+    pub dark_below: u8,
+    /// A pixel is red when `R - max(G, B)` is at least this.
+    pub red_excess: u8,
+}
+
+impl PlanOptions {
+    /// The plan in `plan`, read with the default thresholds.
+    #[must_use]
+    pub fn new(plan: impl Into<PathBuf>) -> Self {
+        Self {
+            plan: plan.into(),
+            walls: None,
+            resolution_m: None,
+            origin: None,
+            dark_below: DEFAULT_DARK_BELOW,
+            red_excess: DEFAULT_RED_EXCESS,
+        }
+    }
+}
+
+/// Walls and glazing of a plan as two disjoint masks in the layout of [`BitMask`].
+///
+/// Row 0 is the southernmost row. The fields are public for callers that store or compare them;
+/// whoever changes one keeps them in step.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlanRaster {
+    /// Pixels along x.
+    pub width: u32,
+    /// Pixels along y.
+    pub height: u32,
+    /// Wall pixels: rows of whole bytes, least significant bit first, south row first.
+    pub walls: Vec<u8>,
+    /// Glazing pixels, in the same layout; no pixel is in both.
+    pub windows: Vec<u8>,
+    /// Metres per pixel.
+    pub resolution_m: f64,
+    /// Map position in metres of the outer corner of pixel (0, 0).
+    pub origin: [f64; 2],
+}
+
+impl PlanRaster {
+    /// A plan without walls or glazing; [`Self::set_wall`] and [`Self::set_window`] draw into it.
+    #[must_use]
+    pub fn empty(width: u32, height: u32, resolution_m: f64, origin: [f64; 2]) -> Self {
+        let bytes = BitMask::row_bytes(width) * height as usize;
+        Self { width, height, walls: vec![0; bytes], windows: vec![0; bytes], resolution_m, origin }
+    }
+
+    /// The walls as a mask of the core.
+    ///
+    /// # Panics
+    /// When the fields were changed to contradict each other, or [`Self::empty`] was given a side of 0
+    /// or above [`MAX_SIDE`]; never for what [`load`] returns.
+    #[must_use]
+    pub fn walls_mask(&self) -> BitMask<'_> {
+        self.mask(&self.walls)
+    }
+
+    /// The glazing as a mask of the core.
+    ///
+    /// # Panics
+    /// When the fields were changed to contradict each other, or [`Self::empty`] was given a side of 0
+    /// or above [`MAX_SIDE`]; never for what [`load`] returns.
+    #[must_use]
+    pub fn windows_mask(&self) -> BitMask<'_> {
+        self.mask(&self.windows)
+    }
+
+    /// Whether pixel (x, y) is wall; outside the plan it is not.
+    #[must_use]
+    pub fn is_wall(&self, x: u32, y: u32) -> bool {
+        self.bit(x, y).is_some_and(|(at, bit)| self.walls.get(at).is_some_and(|byte| byte & bit != 0))
+    }
+
+    /// Whether pixel (x, y) is glazing; outside the plan it is not.
+    #[must_use]
+    pub fn is_window(&self, x: u32, y: u32) -> bool {
+        self.bit(x, y).is_some_and(|(at, bit)| self.windows.get(at).is_some_and(|byte| byte & bit != 0))
+    }
+
+    /// Whether pixel (x, y) is wall or glazing.
+    #[must_use]
+    pub fn occupied(&self, x: u32, y: u32) -> bool {
+        self.is_wall(x, y) || self.is_window(x, y)
+    }
+
+    /// Makes pixel (x, y) wall and no longer glazing; outside the plan nothing happens.
+    pub fn set_wall(&mut self, x: u32, y: u32) {
+        let at = self.bit(x, y);
+        put(&mut self.walls, &mut self.windows, at);
+    }
+
+    /// Makes pixel (x, y) glazing and no longer wall; outside the plan nothing happens.
+    pub fn set_window(&mut self, x: u32, y: u32) {
+        let at = self.bit(x, y);
+        put(&mut self.windows, &mut self.walls, at);
+    }
+
+    /// Nanometres per pixel, rounded to nearest; a resolution outside `u32` saturates, NaN is 0.
+    #[must_use]
+    pub fn resolution_nm(&self) -> u32 {
+        // A float-to-integer `as` saturates; the value is already whole.
+        (self.resolution_m * 1e9).round() as u32
+    }
+
+    fn bit(&self, x: u32, y: u32) -> Option<(usize, u8)> {
+        let inside = x < self.width && y < self.height;
+        inside.then(|| (y as usize * BitMask::row_bytes(self.width) + x as usize / 8, 1 << (x % 8)))
+    }
+
+    fn mask<'a>(&self, bits: &'a [u8]) -> BitMask<'a> {
+        let (width, height) = (self.width, self.height);
+        match BitMask::new(bits, width, height) {
+            Ok(mask) => mask,
+            Err(error) => panic!("plan of {width} x {height} pixels in {} bytes: {error}", bits.len()),
+        }
+    }
+}
+
+fn put(mask: &mut [u8], other: &mut [u8], at: Option<(usize, u8)>) {
+    let Some((at, bit)) = at else { return };
+    if let Some(byte) = mask.get_mut(at) {
+        *byte |= bit;
+    }
+    if let Some(byte) = other.get_mut(at) {
+        *byte &= !bit;
+    }
+}
+
+/// Reads the plan that `options` describe.
+///
+/// # Errors
+/// [`PlanImportError`]: a file that is missing, no image or truncated; a plan of one colour or
+/// without walls; a pair of two sizes; a map description with missing or refused fields; a
+/// resolution outside [`RESOLUTION_RANGE_M`] or an origin that is not finite.
+pub fn load(options: &PlanOptions) -> Result<PlanRaster, PlanImportError> {
+    let source = Source::of(options)?;
+    check_resolution(&options.plan, source.resolution_m)?;
+    check_origin(&options.plan, source.origin)?;
+    let plan = decode::read(&source.image)?;
+    let masks = match &options.walls {
+        None => classify::one_image(&plan, &source.ink),
+        Some(path) => {
+            let walls = decode::read(path)?;
+            check_pair(&source.image, &plan, path, &walls)?;
+            check_colours(path, &walls)?;
+            classify::pair(&plan, &walls, &source.ink)
+        }
+    };
+    if masks.walls.iter().all(|&byte| byte == 0) {
+        check_colours(&source.image, &plan)?;
+        let path = options.walls.clone().unwrap_or(source.image);
+        return Err(PlanImportError::NoWalls { path, dark_below: source.ink.dark_below });
+    }
+    if masks.walls_fill(plan.width, plan.height) {
+        check_colours(&source.image, &plan)?;
+    }
+    let Masks { walls, windows } = masks;
+    let Source { resolution_m, origin, .. } = source;
+    Ok(PlanRaster { width: plan.width, height: plan.height, walls, windows, resolution_m, origin })
+}
+
+/// The plan image and how to read it, once options, map description and defaults are merged.
+struct Source {
+    image: PathBuf,
+    resolution_m: f64,
+    origin: [f64; 2],
+    ink: Ink,
+}
+
+impl Source {
+    fn of(options: &PlanOptions) -> Result<Self, PlanImportError> {
+        let plain = Ink::new(u16::from(options.dark_below), options.red_excess);
+        if !is_yaml(&options.plan) {
+            return Ok(Self {
+                image: options.plan.clone(),
+                resolution_m: options.resolution_m.unwrap_or(DEFAULT_RESOLUTION_M),
+                origin: options.origin.unwrap_or_default(),
+                ink: plain,
+            });
+        }
+        let map = ros_map::read(&options.plan)?;
+        Ok(Self {
+            resolution_m: options.resolution_m.unwrap_or(map.resolution_m),
+            origin: options.origin.unwrap_or(map.origin),
+            ink: Ink { inverted: map.negate, dark_below: map.dark_below(), ..plain },
+            image: map.image,
+        })
+    }
+}
+
+fn is_yaml(path: &Path) -> bool {
+    path.extension().is_some_and(|end| end.eq_ignore_ascii_case("yaml") || end.eq_ignore_ascii_case("yml"))
+}
+
+fn check_resolution(path: &Path, resolution_m: f64) -> Result<(), PlanImportError> {
+    if RESOLUTION_RANGE_M.contains(&resolution_m) {
+        return Ok(());
+    }
+    Err(PlanImportError::Value {
+        path: path.to_path_buf(),
+        field: "resolution",
+        value: resolution_m.to_string(),
+        wanted: "metres per pixel from 0.001 to 4 are accepted",
+    })
+}
+
+fn check_origin(path: &Path, origin: [f64; 2]) -> Result<(), PlanImportError> {
+    if origin.iter().all(|value| value.is_finite()) {
+        return Ok(());
+    }
+    Err(PlanImportError::Value {
+        path: path.to_path_buf(),
+        field: "origin",
+        value: format!("{},{}", origin[0], origin[1]),
+        wanted: "two finite numbers of metres are needed",
+    })
+}
+
+fn check_pair(
+    plan_path: &Path,
+    plan: &Pixels,
+    walls_path: &Path,
+    walls: &Pixels,
+) -> Result<(), PlanImportError> {
+    if (plan.width, plan.height) == (walls.width, walls.height) {
+        return Ok(());
+    }
+    Err(PlanImportError::PairSize {
+        plan: plan_path.to_path_buf(),
+        plan_width: plan.width,
+        plan_height: plan.height,
+        walls: walls_path.to_path_buf(),
+        walls_width: walls.width,
+        walls_height: walls.height,
+    })
+}
+
+fn check_colours(path: &Path, pixels: &Pixels) -> Result<(), PlanImportError> {
+    match pixels.only_colour() {
+        None => Ok(()),
+        Some([r, g, b]) => Err(PlanImportError::OneColour {
+            path: path.to_path_buf(),
+            colour: format!("#{r:02x}{g:02x}{b:02x}"),
+        }),
+    }
+}
+
+/// One line of what a decoder or parser said.
+fn one_line(message: &str) -> String {
+    message.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+fn check_size(path: &Path, width: u32, height: u32) -> Result<(), PlanImportError> {
+    if (1..=MAX_SIDE).contains(&width) && (1..=MAX_SIDE).contains(&height) {
+        return Ok(());
+    }
+    Err(PlanImportError::Size { path: path.to_path_buf(), width, height })
+}
+
+#[cfg(test)]
+mod tests;
