@@ -31,6 +31,9 @@ impl Channel {
         [Self::Range, Self::HitType, Self::Gradient, Self::Proximity, Self::Deviation];
 }
 
+/// Bound of the difference to the real-valued channels where the ranges agree: 2^-9.
+pub const LEVEL_ERROR: Level = Level::from_bits(1 << 5);
+
 /// Bins on each side of bin j that [`Channel::Deviation`] looks at.
 pub const DEVIATION_REACH: usize = 5;
 /// Bins in its window.

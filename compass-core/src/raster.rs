@@ -79,12 +79,15 @@ impl<'a> BitMask<'a> {
 
     /// The pixel at column `x`, row `y` (row 0 southernmost); outside the raster it is unset.
     #[must_use]
+    #[inline]
     pub fn get(&self, x: u32, y: u32) -> bool {
         x < self.width && self.byte(x / 8, y) >> (x % 8) & 1 == 1
     }
 
     /// Eight pixels of row `y` from column `8 * column`; padding and outside read as unset.
-    pub(crate) fn byte(&self, column: u32, y: u32) -> u8 {
+    #[must_use]
+    #[inline]
+    pub fn byte(&self, column: u32, y: u32) -> u8 {
         if column as usize >= self.row_bytes || y >= self.height {
             return 0;
         }

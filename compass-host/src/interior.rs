@@ -38,7 +38,7 @@ pub const MIN_ENCLOSURE: f64 = 0.6;
 /// Share of the rays above which a place is expected to be inside.
 pub const WELL_ENCLOSED: f64 = 0.9;
 /// Share of the well enclosed area that the interior must have for the ladder to stop.
-pub const ENOUGH: f64 = 0.5;
+pub const ENOUGH: f64 = 0.8;
 /// Smallest connected piece of interior in square metres.
 pub const MIN_PIECE_M2: f64 = 1.0;
 /// Distance of a candidate from anything occupied, in metres, unless the caller knows better.

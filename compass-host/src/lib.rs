@@ -1,7 +1,15 @@
-//! The host side of COMPASS.
+//! The host side of COMPASS: plans and datasets in, site maps, poses, figures and reports out, and the
+//! float reference that `compass-core` is checked against.
 
+pub mod commands;
+pub mod compare;
 pub mod figures;
 pub mod interior;
+pub mod localizer;
+pub mod noise;
+pub mod output;
 pub mod plan_import;
+pub mod reference;
 pub mod report;
 pub mod sample;
+pub mod site;

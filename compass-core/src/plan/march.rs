@@ -10,6 +10,9 @@ use crate::num::{BINS, Point, Turn};
 use crate::scan::{Hit, MAX_STEPS, Scan};
 use core::fmt;
 
+/// Of a million rays, at least this many find the hit type of exact sampling and a range within one step.
+pub const AGREEING_RAYS_PPM: u32 = 999_000;
+
 /// Why no scan can be cast from a position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

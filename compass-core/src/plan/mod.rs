@@ -26,7 +26,7 @@
 mod march;
 mod pack;
 
-pub use march::MarchError;
+pub use march::{AGREEING_RAYS_PPM, MarchError};
 pub use pack::{pack, packed_len};
 
 use crate::num::{Metres, Point};

@@ -23,6 +23,9 @@ pub use query::{Confidence, Peak, Query};
 use crate::descriptor::CHANNELS;
 use crate::num::Score;
 
+/// Bound of the difference of a score to that of the real-valued descriptors: 2^-10, below 0.001.
+pub const SCORE_ERROR: Score = Score::from_bits(1 << 20);
+
 /// Which cosine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]

@@ -18,6 +18,11 @@
 //! Against `rustfft` in f64 on full-scale noise: at least 120 dB of signal to noise, no part off by
 //! more than 12 LSB (tested).
 
+/// No part of a transform is off by more LSB than this.
+pub const FFT_WORST_LSB: i32 = 12;
+/// Signal to noise of a transform of full-scale noise, in dB, at least.
+pub const FFT_SNR_DB: i32 = 120;
+
 /// Largest number of points of a transform.
 pub const MAX_POINTS: usize = 1024;
 
@@ -170,7 +175,7 @@ mod tests {
         #[test]
         fn forward_agrees_with_rustfft(data in signals()) {
             let (snr, worst) = errors(&data);
-            prop_assert!(snr >= 120.0 && worst <= 12.0, "SNR {snr} dB, worst {worst} LSB, N {}", data.len());
+            prop_assert!(snr >= f64::from(FFT_SNR_DB) && worst <= f64::from(FFT_WORST_LSB), "SNR {snr} dB, worst {worst} LSB, N {}", data.len());
         }
 
         #[test]

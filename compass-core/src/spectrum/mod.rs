@@ -4,4 +4,4 @@ mod correlate;
 mod fft;
 
 pub use correlate::{CORRELATION_POINTS, Correlator};
-pub use fft::{Complex, MAX_POINTS, forward, inverse};
+pub use fft::{Complex, FFT_SNR_DB, FFT_WORST_LSB, MAX_POINTS, forward, inverse};

@@ -21,9 +21,9 @@ impl Grid {
         let mut occupied = vec![false; columns * rows];
         for y in 0..walls.height() {
             let start = ((y / cell_px) as usize + margin) * columns + margin;
-            // Whole bytes first: most are empty, and `any_of_8` compiles to one load.
+            // Whole bytes first: most are empty.
             for column in 0..walls.width().div_ceil(8) {
-                if any_of_8(walls, column, y) || any_of_8(windows, column, y) {
+                if walls.byte(column, y) | windows.byte(column, y) != 0 {
                     for x in (8 * column..8 * column + 8).filter(|&x| walls.get(x, y) || windows.get(x, y)) {
                         occupied[start + (x / cell_px) as usize] = true;
                     }
@@ -151,15 +151,6 @@ impl Grid {
             if at + columns < self.occupied.len() { at + columns } else { at },
         ]
     }
-}
-
-/// Whether any of the eight pixels from column `8 * column` is set.
-fn any_of_8(mask: &BitMask<'_>, column: u32, y: u32) -> bool {
-    let x = column << 3;
-    if x + 8 > mask.width() || y >= mask.height() {
-        return (x..x + 8).any(|x| mask.get(x, y));
-    }
-    (0..8).fold(false, |any, bit| any | mask.get(x | bit, y))
 }
 
 /// For every `x` of a row, the least `(x - i)^2 + row[i]^2`, into `row2`.

@@ -9,22 +9,71 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
-use compass_core::num::{BINS, Turn, Unit};
-use crc::{CRC_32_ISO_HDLC, Crc};
+use compass_core::descriptor::Descriptor;
+use compass_core::matching::{Answer, Board, Exact, GROUP, Group, Index, Match, exhaustive, shortlist};
+use compass_core::num::{BINS, Metres, Point, Score, Turn, Unit};
+use compass_core::plan::Plan;
+use compass_core::scan::Scan;
+use compass_core::similarity::{Confidence, Query, Similarity, Weights};
+use compass_core::site_map::{SiteMap, SketchQuery};
+use compass_core::spectrum::{Complex, MAX_POINTS, forward};
+use core::fmt::{self, Write as _};
+use crc::{CRC_32_ISO_HDLC, Crc, Digest};
 
 /// Angles of the trigonometry stages.
 const ANGLES: usize = 2 * BINS;
+/// Places of the shortlist.
+const SHORTLIST: usize = 64;
+/// Matches that the shortlist chooses alternatives from.
+const SHORTLIST_POOL: usize = 256;
+/// Matches that the exact search chooses alternatives from.
+const EXACT_POOL: usize = 400;
+
+static SAMPLE_PLAN: &[u8] = include_bytes!("../../../tests/vectors/sample_plan.bin");
+static SAMPLE_MAP: &[u8] = include_bytes!("../../../tests/vectors/sample_map.bin");
+
+/// Candidates of the sample map, from its header.
+const CANDIDATES: usize = {
+    let map = include_bytes!("../../../tests/vectors/sample_map.bin");
+    u32::from_le_bytes([map[12], map[13], map[14], map[15]]) as usize
+};
 
 /// What every target computes on.
 #[derive(Debug, Clone, Copy)]
 pub struct Inputs<'a> {
-    /// A packed floor plan; empty while no stage reads one.
+    /// A packed floor plan.
     pub plan: &'a [u8],
+    /// A site map of that plan with no more candidates than the sample's.
+    pub map: &'a [u8],
+    /// Where the robot is.
+    pub position: Point,
+    /// Where it looks.
+    pub heading: Turn,
+    /// The candidate nearest to it.
+    pub nearest: u32,
 }
 
 impl Inputs<'static> {
-    /// The sample that is compared between targets.
-    pub const SAMPLE: Self = Self { plan: &[] };
+    /// The sample that is compared between targets: the sample building at its demo pose (`compass_host::sample`).
+    ///
+    /// The test `vectors` of `compass-tests` makes the files.
+    pub const SAMPLE: Self = Self {
+        plan: SAMPLE_PLAN,
+        map: SAMPLE_MAP,
+        position: Point::new(Metres::lit("13.37"), Metres::lit("3.68")),
+        heading: Turn::from_ratio(74, 360),
+        nearest: 72,
+    };
+}
+
+impl<'a> Inputs<'a> {
+    fn plan(&self) -> Plan<'a> {
+        Plan::new(self.plan).expect("the input is a packed plan")
+    }
+
+    fn map(&self) -> SiteMap<'a> {
+        SiteMap::new(self.map).expect("the input is a site map")
+    }
 }
 
 /// The output of each stage; no stage allocates.
@@ -32,13 +81,46 @@ impl Inputs<'static> {
 pub struct Workspace {
     turns: [Turn; ANGLES],
     directions: [(Unit, Unit); ANGLES],
+    scan: Scan,
+    descriptor: Descriptor,
+    signal: [Complex; MAX_POINTS],
+    query: Query,
+    board: Board,
+    scores: [Score; BINS],
+    ranks: [i32; CANDIDATES],
+    ranked: [(i32, u32); SHORTLIST],
+    shortlist_pool: [Match; SHORTLIST_POOL],
+    localized: Option<Answer>,
+    groups: [Group; CANDIDATES.div_ceil(GROUP)],
+    exact: Exact,
+    bounds: [i32; CANDIDATES],
+    exact_pool: [Match; EXACT_POOL],
+    proven: Option<Answer>,
 }
 
 impl Workspace {
     /// An empty workspace, usable in a `static`.
     #[must_use]
     pub const fn new() -> Self {
-        Self { turns: [Turn::ZERO; ANGLES], directions: [(Unit::ZERO, Unit::ZERO); ANGLES] }
+        Self {
+            turns: [Turn::ZERO; ANGLES],
+            directions: [(Unit::ZERO, Unit::ZERO); ANGLES],
+            scan: Scan::OPEN,
+            descriptor: Descriptor::ZERO,
+            signal: [Complex::ZERO; MAX_POINTS],
+            query: Query::EMPTY,
+            board: Board::new(),
+            scores: [Score::ZERO; BINS],
+            ranks: [0; CANDIDATES],
+            ranked: [(0, 0); SHORTLIST],
+            shortlist_pool: [Match::NONE; SHORTLIST_POOL],
+            localized: None,
+            groups: [const { Group::EMPTY }; CANDIDATES.div_ceil(GROUP)],
+            exact: Exact::new(),
+            bounds: [0; CANDIDATES],
+            exact_pool: [Match::NONE; EXACT_POOL],
+            proven: None,
+        }
     }
 }
 
@@ -65,7 +147,56 @@ pub const STAGES: &[Stage] = &[
     Stage {
         name: "cos_sin",
         run: cos_sin,
-        checksum: |w| checksum(w.directions.iter().flat_map(|&(c, s)| [bits(c), bits(s)])),
+        checksum: |w| checksum(w.directions.iter().flat_map(|&(c, s)| [c, s].map(unit_bits))),
+    },
+    Stage {
+        name: "scan",
+        run: scan,
+        checksum: |w| {
+            checksum(w.scan.steps.iter().zip(&w.scan.hit).flat_map(|(&s, &h)| [s.into(), h as u32]))
+        },
+    },
+    Stage {
+        name: "descriptor",
+        run: descriptor,
+        checksum: |w| {
+            checksum(
+                w.descriptor.levels.as_flattened().iter().map(|level| level.to_bits().cast_unsigned().into()),
+            )
+        },
+    },
+    Stage {
+        name: "fft",
+        run: fft,
+        checksum: |w| checksum(w.signal.iter().flat_map(|c| [c.re, c.im].map(i32::cast_unsigned))),
+    },
+    Stage {
+        name: "query",
+        run: query,
+        checksum: |w| {
+            let norm = w.query.squared_norm();
+            checksum([norm as u32, (norm >> 32) as u32])
+        },
+    },
+    Stage {
+        name: "correlate",
+        run: correlate,
+        checksum: |w| checksum(w.scores.iter().copied().map(unit_bits)),
+    },
+    Stage {
+        name: "rank",
+        run: rank,
+        checksum: |w| checksum(w.ranks.iter().copied().map(i32::cast_unsigned)),
+    },
+    Stage { name: "localize", run: localize, checksum: |w| checksum(answer_words(w.localized.as_ref())) },
+    Stage { name: "index", run: index, checksum: |w| debug_checksum(&w.groups) },
+    Stage {
+        name: "exact",
+        run: exact,
+        checksum: |w| {
+            let bounds = w.bounds.iter().copied().map(i32::cast_unsigned);
+            checksum(answer_words(w.proven.as_ref()).chain(bounds))
+        },
     },
 ];
 
@@ -77,10 +208,11 @@ pub fn run(inputs: &Inputs<'_>, workspace: &mut Workspace, report: &mut dyn FnMu
     }
 }
 
+static CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
+
 /// CRC-32 (the one of zip and PNG) of the words in little-endian order.
 #[must_use]
 pub fn checksum(words: impl IntoIterator<Item = u32>) -> u32 {
-    static CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
     let mut digest = CRC.digest();
     for word in words {
         digest.update(&word.to_le_bytes());
@@ -88,8 +220,31 @@ pub fn checksum(words: impl IntoIterator<Item = u32>) -> u32 {
     digest.finalize()
 }
 
-const fn bits(value: Unit) -> u32 {
+/// The checksum of a value whose fields are private: of its debug text.
+fn debug_checksum(value: &impl fmt::Debug) -> u32 {
+    struct Sink(Digest<'static, u32>);
+    impl fmt::Write for Sink {
+        fn write_str(&mut self, text: &str) -> fmt::Result {
+            self.0.update(text.as_bytes());
+            Ok(())
+        }
+    }
+    let mut sink = Sink(CRC.digest());
+    write!(sink, "{value:?}").expect("the sink takes everything");
+    sink.0.finalize()
+}
+
+const fn unit_bits(value: Unit) -> u32 {
     value.to_bits().cast_unsigned()
+}
+
+/// The best match and all alternatives, then what the answer says of itself.
+fn answer_words(answer: Option<&Answer>) -> impl Iterator<Item = u32> {
+    answer.into_iter().flat_map(|answer| {
+        let matches = answer.matches().iter();
+        let words = |m: &Match| [m.candidate, m.peak.shift.into(), m.peak.score_bits.cast_unsigned()];
+        matches.flat_map(words).chain([answer.scored, answer.exhaustive.into()])
+    })
 }
 
 /// Each whole degree, and a thousandth of a turn past it.
@@ -107,9 +262,89 @@ fn cos_sin(_: &Inputs<'_>, workspace: &mut Workspace) {
     }
 }
 
+/// 360 rays from the pose.
+fn scan(inputs: &Inputs<'_>, workspace: &mut Workspace) {
+    let cast = inputs.plan().scan(inputs.position, inputs.heading, &mut workspace.scan);
+    cast.expect("the pose is free");
+}
+
+/// The descriptor of the [`scan`].
+fn descriptor(_: &Inputs<'_>, workspace: &mut Workspace) {
+    workspace.descriptor.fill(&workspace.scan);
+}
+
+/// Copies a noise-like signal and transforms it.
+fn fft(_: &Inputs<'_>, workspace: &mut Workspace) {
+    workspace.signal = SIGNAL;
+    assert!(forward(&mut workspace.signal), "1024 points are supported");
+}
+
+/// Parts between -2^29 and 2^29, by a linear congruential generator.
+static SIGNAL: [Complex; MAX_POINTS] = {
+    let mut signal = [Complex::ZERO; MAX_POINTS];
+    let mut state = 1_u32;
+    let mut n = 0;
+    while n < MAX_POINTS {
+        signal[n] = Complex { re: noise(&mut state), im: noise(&mut state) };
+        n += 1;
+    }
+    signal
+};
+
+const fn noise(state: &mut u32) -> i32 {
+    *state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+    state.cast_signed() >> 2
+}
+
+/// The query of the [`descriptor`], and its spectra.
+fn query(_: &Inputs<'_>, workspace: &mut Workspace) {
+    let Workspace { query, descriptor, board, .. } = workspace;
+    query.set(descriptor, &Confidence::CERTAIN, Weights::EQUAL, Similarity::Centred);
+    board.load(query);
+}
+
+/// Unpacks the nearest candidate and scores it at all headings.
+fn correlate(inputs: &Inputs<'_>, workspace: &mut Workspace) {
+    let Workspace { query, board, scores, .. } = workspace;
+    *scores = *board.scores(query, &inputs.map(), inputs.nearest as usize);
+}
+
+/// The rank of every candidate by its sketch.
+fn rank(inputs: &Inputs<'_>, workspace: &mut Workspace) {
+    let sketch = SketchQuery::new(&workspace.query);
+    for (rank, record) in workspace.ranks.iter_mut().zip(inputs.map().iter()) {
+        *rank = sketch.rank(&record.sketch());
+    }
+}
+
+/// The search of a board: ranks all, scores the best.
+fn localize(inputs: &Inputs<'_>, workspace: &mut Workspace) {
+    let Workspace { query, board, ranked, shortlist_pool, localized, .. } = workspace;
+    *localized = Some(shortlist(&inputs.map(), query, None, board, ranked, shortlist_pool));
+}
+
+/// The index of the whole map.
+fn index(inputs: &Inputs<'_>, workspace: &mut Workspace) {
+    let map = inputs.map();
+    for (number, group) in workspace.groups.iter_mut().enumerate() {
+        group.fill(&map, number);
+    }
+}
+
+/// The exact search in the [`index`].
+fn exact(inputs: &Inputs<'_>, workspace: &mut Workspace) {
+    let Workspace { query, groups, exact, bounds, exact_pool, proven, .. } = workspace;
+    let map = inputs.map();
+    let index = Index::new(groups, &map).expect("the workspace is made for this map");
+    *proven = exhaustive(&index, &map, query, None, exact, bounds, exact_pool);
+}
+
 #[cfg(test)]
 mod tests {
+    extern crate std;
+
     use super::*;
+    use std::boxed::Box;
 
     #[test]
     fn checksum_is_the_one_of_zip() {
@@ -123,12 +358,38 @@ mod tests {
             assert!(STAGES[..i].iter().all(|earlier| earlier.name != stage.name));
             assert!(!stage.name.contains(' '));
         }
-        let mut workspace = Workspace::new();
+        let mut workspace = Box::new(Workspace::new());
         let mut sums = [[0; STAGES.len()]; 2];
         for sums in &mut sums {
             let mut left = sums.iter_mut();
             run(&Inputs::SAMPLE, &mut workspace, &mut |_, sum| *left.next().unwrap() = sum);
         }
         assert_eq!(sums[0], sums[1]);
+    }
+
+    #[test]
+    fn both_searches_find_the_pose() {
+        let inputs = Inputs::SAMPLE;
+        let mut workspace = Box::new(Workspace::new());
+        run(&inputs, &mut workspace, &mut |_, _| ());
+        for answer in [&workspace.localized, &workspace.proven] {
+            let best = answer.as_ref().unwrap().best().unwrap();
+            let position = inputs.map().position(best.candidate as usize).unwrap();
+            assert!(position.within(inputs.position, Metres::ONE), "{best:?} is at {position:?}");
+            assert!(best.heading().distance(inputs.heading) < Turn::from_ratio(5, 360), "{best:?}");
+        }
+        assert!(workspace.proven.as_ref().unwrap().exhaustive);
+    }
+
+    #[test]
+    fn the_nearest_candidate_is_the_nearest() {
+        let inputs = Inputs::SAMPLE;
+        let map = inputs.map();
+        let square = |at: Point| {
+            let along = |a: Metres, b: Metres| i128::from((a - b).to_bits()).pow(2);
+            along(at.x, inputs.position.x) + along(at.y, inputs.position.y)
+        };
+        let nearest = (0..map.len()).min_by_key(|&c| square(map.position(c).unwrap()));
+        assert_eq!(nearest, Some(inputs.nearest as usize));
     }
 }

@@ -1,0 +1,77 @@
+//! `compass compare`: the fixed-point core against the float reference.
+
+use super::Outcome;
+use super::plan::{PlanArgs, sample};
+use crate::compare::{Stage, compare};
+use crate::output::{Decimal, JsonOption};
+use anyhow::{Context as _, Result};
+use serde::Serialize;
+use std::fmt::Write as _;
+
+#[derive(Debug, clap::Args)]
+pub(super) struct Compare {
+    /// Without a plan: the bundled sample building
+    #[command(flatten)]
+    plan: PlanArgs,
+    /// Number of random interior poses
+    #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
+    poses: u32,
+    /// Seed of the poses
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    #[command(flatten)]
+    json: JsonOption,
+}
+
+#[derive(Debug, Serialize)]
+struct Row {
+    stage: &'static str,
+    unit: &'static str,
+    worst: Decimal,
+    typical: Decimal,
+    bound: Decimal,
+    compared: usize,
+    in_bounds: bool,
+}
+
+#[derive(Debug, Serialize)]
+struct Output {
+    in_bounds: bool,
+    stages: Vec<Row>,
+}
+
+impl From<&Stage> for Row {
+    fn from(stage: &Stage) -> Self {
+        Self {
+            stage: stage.name,
+            unit: stage.unit,
+            worst: Decimal(stage.worst),
+            typical: Decimal(stage.typical),
+            bound: Decimal(stage.bound),
+            compared: stage.compared,
+            in_bounds: stage.in_bounds,
+        }
+    }
+}
+
+impl Compare {
+    pub(super) fn run(&self) -> Result<Outcome> {
+        let (raster, plan) = if self.plan.path().is_some() { self.plan.load()? } else { sample()? };
+        let name = || self.plan.path().map_or_else(|| "sample building".into(), |p| p.display().to_string());
+        let stages = compare(&raster, &plan, self.poses as usize, self.seed).with_context(name)?;
+        let in_bounds = stages.iter().all(|s| s.in_bounds);
+        let mut summary = String::new();
+        let _ = writeln!(summary, "{:<48} {:>12} {:>12} {:>12}  unit", "stage", "worst", "typical", "bound");
+        for s in &stages {
+            let verdict = if s.in_bounds { "" } else { "  OUT OF BOUNDS" };
+            let _ = writeln!(
+                summary,
+                "{:<48} {:>12.6} {:>12.6} {:>12.6}  {}{verdict}",
+                s.name, s.worst, s.typical, s.bound, s.unit
+            );
+        }
+        let output = Output { in_bounds, stages: stages.iter().map(Row::from).collect() };
+        self.json.emit(&output, &summary)?;
+        Ok(if in_bounds { Outcome::Done } else { Outcome::No })
+    }
+}

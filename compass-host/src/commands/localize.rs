@@ -1,0 +1,215 @@
+//! `compass localize`: position and heading on a site map.
+
+use super::Outcome;
+use super::plan::{Reading, finite, pair};
+use crate::localizer::{Localizer, MatchOptions};
+use crate::noise::disturb;
+use crate::output::{Decimal, JsonOption};
+use crate::site::read_map;
+use anyhow::{Result, anyhow, bail};
+use compass_core::matching::{Answer, Match};
+use compass_core::similarity::{Similarity, Weights};
+use compass_core::site_map::SiteMap;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::PathBuf;
+use std::time::Instant;
+
+#[derive(Debug, clap::Args)]
+pub(super) struct Localize {
+    /// The site map
+    #[arg(long, value_name = "FILE")]
+    map: PathBuf,
+    /// Cast the query from this plan instead of seeing it
+    #[arg(long, value_name = "PLAN", required = true)]
+    from_plan: Option<PathBuf>,
+    #[command(flatten)]
+    reading: Reading,
+    /// True position of the query in metres
+    #[arg(long, value_name = "X,Y", value_parser = pair, allow_hyphen_values = true)]
+    at: [f64; 2],
+    /// True heading of the query in degrees
+    #[arg(long, value_name = "DEG", value_parser = finite, allow_hyphen_values = true)]
+    heading: f64,
+    /// Disturb the query: at level 1, 3 % of range noise, 5 % of hit types mistaken, two occluders
+    #[arg(long, value_name = "LEVEL", default_value_t = 0.0, value_parser = level)]
+    noise: f64,
+    /// Seed of the disturbance
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    seed: u64,
+    #[command(flatten)]
+    matching: Matching,
+    #[command(flatten)]
+    json: JsonOption,
+}
+
+/// How to match.
+#[derive(Debug, Clone, clap::Args)]
+pub(super) struct Matching {
+    /// Cosine of the descriptors as they are (the paper's), or after each channel's mean is removed
+    #[arg(long, value_enum, default_value_t = Kind::Centred)]
+    similarity: Kind,
+    /// Relative weights of the five channels, 0..255 each
+    #[arg(long, value_name = "A,B,C,D,E", default_value = "16,16,16,16,16", value_parser = weights)]
+    weights: Weights,
+    /// Score only the N candidates of the nearest transition signatures
+    #[arg(long, value_name = "N")]
+    prefilter: Option<usize>,
+}
+
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+enum Kind {
+    Plain,
+    Centred,
+}
+
+impl Matching {
+    pub(super) const fn options(&self) -> MatchOptions {
+        let similarity = match self.similarity {
+            Kind::Plain => Similarity::Plain,
+            Kind::Centred => Similarity::Centred,
+        };
+        MatchOptions { similarity, weights: self.weights, prefilter: self.prefilter }
+    }
+}
+
+fn level(text: &str) -> Result<f64, String> {
+    finite(text).and_then(|v| if (0.0..=10.0).contains(&v) { Ok(v) } else { Err("expected 0 to 10".into()) })
+}
+
+fn weights(text: &str) -> Result<Weights, String> {
+    let wanted = || format!("'{text}' is not five whole numbers 0..255, one of them above 0");
+    let values: Vec<u8> =
+        text.split(',').map(|v| v.trim().parse()).collect::<Result<_, _>>().map_err(|_| wanted())?;
+    let weights: [u8; 5] = values.try_into().map_err(|_| wanted())?;
+    if weights == [0; 5] { Err(wanted()) } else { Ok(Weights(weights)) }
+}
+
+/// A pose with its score.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(super) struct Pose {
+    pub(super) x: Decimal,
+    pub(super) y: Decimal,
+    pub(super) heading_deg: Decimal,
+    pub(super) score: Decimal,
+}
+
+impl Pose {
+    pub(super) fn of(found: &Match, map: &SiteMap<'_>) -> Self {
+        let at = map.position(found.candidate as usize).unwrap_or_default();
+        Self {
+            x: Decimal(at.x.to_num()),
+            y: Decimal(at.y.to_num()),
+            heading_deg: Decimal(f64::from(found.peak.shift)),
+            score: Decimal(found.peak.score().to_num()),
+        }
+    }
+
+    /// Distance in metres and angle in degrees from a true pose.
+    pub(super) fn error(&self, at: [f64; 2], heading_deg: f64) -> (f64, f64) {
+        let turn = (self.heading_deg.0 - heading_deg + 180.0).rem_euclid(360.0) - 180.0;
+        ((self.x.0 - at[0]).hypot(self.y.0 - at[1]), turn.abs())
+    }
+}
+
+#[derive(Debug, Serialize)]
+struct Output {
+    x: Decimal,
+    y: Decimal,
+    heading_deg: Decimal,
+    /// Not seen: the query was cast from the plan.
+    up_in_cam0: Option<[Decimal; 3]>,
+    score: Decimal,
+    margin: Decimal,
+    candidates: Vec<Pose>,
+    position_error_m: Decimal,
+    heading_error_deg: Decimal,
+    scored: u32,
+    exhaustive: bool,
+    milliseconds: BTreeMap<&'static str, Decimal>,
+}
+
+impl Localize {
+    pub(super) fn run(&self) -> Result<Outcome> {
+        let Some(plan_path) = &self.from_plan else { bail!("no query: name a plan with --from-plan") };
+        let mut clock = Clock::default();
+        let bytes = read_map(&self.map)?;
+        let map = SiteMap::new(&bytes).map_err(|e| anyhow!("{}: {e}", self.map.display()))?;
+        clock.stage("read_map");
+        let (_, plan) = self.reading.load(plan_path)?;
+        clock.stage("read_plan");
+        let mut scan = plan.scan(self.at, self.heading)?;
+        disturb(&mut scan, self.noise, self.seed);
+        clock.stage("cast");
+        let mut localizer = Localizer::new(map);
+        clock.stage("index");
+        let answer = localizer.locate(&scan, &self.matching.options())?;
+        clock.stage("search");
+        let poses: Vec<Pose> = answer.matches().iter().map(|m| Pose::of(m, &map)).collect();
+        let Some(best) = poses.first().copied() else {
+            self.json.emit(&serde_json::json!({ "candidates": [] }), "no pose found\n")?;
+            return Ok(Outcome::No);
+        };
+        let summary = self.summary(&poses, &answer, &clock);
+        let (position_error, heading_error) = best.error(self.at, self.heading);
+        let output = Output {
+            x: best.x,
+            y: best.y,
+            heading_deg: best.heading_deg,
+            up_in_cam0: None,
+            score: best.score,
+            margin: Decimal(answer.margin().to_num()),
+            candidates: poses,
+            position_error_m: Decimal(position_error),
+            heading_error_deg: Decimal(heading_error),
+            scored: answer.scored,
+            exhaustive: answer.exhaustive,
+            milliseconds: clock.stages,
+        };
+        self.json.emit(&output, &summary)?;
+        Ok(Outcome::Done)
+    }
+
+    fn summary(&self, poses: &[Pose], answer: &Answer, clock: &Clock) -> String {
+        let mut text = String::new();
+        for (rank, pose) in poses.iter().enumerate() {
+            let (metres, degrees) = pose.error(self.at, self.heading);
+            let _ = writeln!(
+                text,
+                "{:>2}. x {:8.3} m  y {:8.3} m  heading {:5.1}  score {:.4}  ({metres:.2} m, {degrees:.1} degrees off)",
+                rank + 1,
+                pose.x.0,
+                pose.y.0,
+                pose.heading_deg.0,
+                pose.score.0,
+            );
+        }
+        let margin: f64 = answer.margin().to_num();
+        let search = clock.stages.get("search").map_or(0.0, |d| d.0);
+        let _ =
+            writeln!(text, "margin {margin:.4}, {} candidates scored, search {search:.1} ms", answer.scored);
+        text
+    }
+}
+
+/// Milliseconds by stage.
+#[derive(Debug)]
+struct Clock {
+    last: Instant,
+    stages: BTreeMap<&'static str, Decimal>,
+}
+
+impl Default for Clock {
+    fn default() -> Self {
+        Self { last: Instant::now(), stages: BTreeMap::new() }
+    }
+}
+
+impl Clock {
+    fn stage(&mut self, name: &'static str) {
+        let now = Instant::now();
+        self.stages.insert(name, Decimal((now - self.last).as_secs_f64() * 1e3));
+        self.last = now;
+    }
+}

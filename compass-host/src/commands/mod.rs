@@ -1,0 +1,59 @@
+//! The subcommands, one file each.
+
+mod compare;
+mod demo;
+mod describe;
+mod localize;
+mod map;
+mod pictures;
+mod plan;
+
+use clap::{Parser, Subcommand};
+
+/// Where am I in this building? All it takes is the architect's floor plan.
+#[derive(Debug, Parser)]
+#[command(name = "compass", version, about)]
+pub struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Run the whole pipeline on the bundled sample building and write a report with pictures
+    Demo(demo::Demo),
+    /// Cast the descriptor of a position from a plan
+    Describe(describe::Describe),
+    /// Build a site map, or print what is in one
+    #[command(subcommand)]
+    Map(map::Map),
+    /// Find position and heading on a site map
+    Localize(localize::Localize),
+    /// Compare the fixed-point core with the float reference, stage by stage
+    Compare(compare::Compare),
+}
+
+/// What the work came to; its exit status is 0 or 1.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Outcome {
+    /// Done.
+    Done,
+    /// Done, and the answer is "no".
+    No,
+}
+
+impl Cli {
+    /// Runs the subcommand.
+    ///
+    /// # Errors
+    /// Bad input, with one line that names the thing and the place.
+    pub fn run(&self) -> anyhow::Result<Outcome> {
+        match &self.command {
+            Command::Demo(command) => command.run(),
+            Command::Describe(command) => command.run(),
+            Command::Map(command) => command.run(),
+            Command::Localize(command) => command.run(),
+            Command::Compare(command) => command.run(),
+        }
+    }
+}

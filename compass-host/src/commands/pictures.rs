@@ -1,0 +1,39 @@
+//! The plan-side pictures of the paper, for `describe` and `demo`.
+
+use super::describe::Described;
+use crate::figures::{self, PlanPicture};
+use crate::output::create_dir;
+use crate::plan_import::PlanRaster;
+use anyhow::Result;
+use std::path::Path;
+
+/// Calls `draw` with the plan as the figures want it.
+pub(super) fn with_plan<T>(raster: &PlanRaster, draw: impl FnOnce(&PlanPicture<'_>) -> T) -> T {
+    let (walls, windows) = (raster.walls_mask(), raster.windows_mask());
+    let (is_wall, is_window) = (|x: u32, y: u32| walls.get(x, y), |x: u32, y: u32| windows.get(x, y));
+    draw(&PlanPicture {
+        width: raster.width,
+        height: raster.height,
+        resolution_m: raster.resolution_m,
+        origin: raster.origin,
+        is_wall: &is_wall,
+        is_window: &is_window,
+    })
+}
+
+/// Writes the four pictures of one descriptor: `rays.png`, `polar.png`, `descriptor.png`, `profile.png`.
+pub(super) fn describe(
+    dir: &Path,
+    raster: &PlanRaster,
+    at: [f64; 2],
+    heading_deg: f64,
+    described: &Described,
+) -> Result<()> {
+    create_dir(dir)?;
+    let Described { range_m, hit, channels } = described;
+    with_plan(raster, |plan| figures::draw_rays(&dir.join("rays.png"), plan, at, heading_deg, range_m, hit))?;
+    figures::draw_polar(&dir.join("polar.png"), range_m, hit)?;
+    figures::draw_descriptor(&dir.join("descriptor.png"), channels)?;
+    figures::draw_profile(&dir.join("profile.png"), range_m, &described.gradient_m(), hit)?;
+    Ok(())
+}

@@ -1,0 +1,97 @@
+//! The options that every command with a plan shares.
+
+use crate::plan_import::{self, PlanOptions, PlanRaster};
+use crate::site::PackedPlan;
+use anyhow::{Context as _, Result, bail};
+use std::path::{Path, PathBuf};
+
+/// How a plan file is read.
+#[derive(Debug, Clone, clap::Args)]
+pub(super) struct Reading {
+    /// Raster of the same size with the walls alone; glazing is what the plan has beyond it
+    #[arg(long, value_name = "FILE")]
+    walls: Option<PathBuf>,
+    /// Metres per pixel [default: 0.01, or what the map_server .yaml says]
+    #[arg(long, value_name = "M", allow_hyphen_values = true)]
+    resolution: Option<f64>,
+    /// Map position of the outer corner of the bottom-left pixel in metres [default: 0,0]
+    #[arg(long, value_name = "X,Y", value_parser = pair, allow_hyphen_values = true)]
+    origin: Option<[f64; 2]>,
+    /// Luma below which a pixel is dark, 0..255
+    #[arg(long, value_name = "N", default_value_t = plan_import::DEFAULT_DARK_BELOW)]
+    dark_below: u8,
+    /// Excess of red over the larger of green and blue from which a pixel is glazing, 0..255
+    #[arg(long, value_name = "N", default_value_t = plan_import::DEFAULT_RED_EXCESS)]
+    red_excess: u8,
+}
+
+impl Reading {
+    /// Reads and packs a plan.
+    pub(super) fn load(&self, plan: &Path) -> Result<(PlanRaster, PackedPlan)> {
+        let mut options = PlanOptions::new(plan);
+        options.walls.clone_from(&self.walls);
+        options.resolution_m = self.resolution;
+        options.origin = self.origin;
+        options.dark_below = self.dark_below;
+        options.red_excess = self.red_excess;
+        let raster = plan_import::load(&options)?;
+        let packed = PackedPlan::new(&raster).with_context(|| plan.display().to_string())?;
+        Ok((raster, packed))
+    }
+}
+
+/// A plan file, by position or by `--plan`, and how it is read.
+#[derive(Debug, Clone, clap::Args)]
+pub(super) struct PlanArgs {
+    /// Floor plan: dark = wall, red = glazing; or a ROS map_server .yaml
+    #[arg(value_name = "PLAN", conflicts_with = "plan_option")]
+    plan: Option<PathBuf>,
+    /// The same, as an option
+    #[arg(long = "plan", id = "plan_option", value_name = "FILE")]
+    plan_option: Option<PathBuf>,
+    #[command(flatten)]
+    reading: Reading,
+}
+
+impl PlanArgs {
+    /// The file, when one was named.
+    pub(super) fn path(&self) -> Option<&Path> {
+        self.plan.as_deref().or(self.plan_option.as_deref())
+    }
+
+    /// Reads and packs the plan.
+    pub(super) fn load(&self) -> Result<(PlanRaster, PackedPlan)> {
+        let Some(path) = self.path() else { bail!("no plan: name one as PLAN or with --plan FILE") };
+        self.reading.load(path)
+    }
+}
+
+/// Two finite numbers, `X,Y`.
+pub(super) fn pair(text: &str) -> Result<[f64; 2], String> {
+    let wanted = || format!("'{text}' is not two numbers X,Y");
+    let (x, y) = text.split_once(',').ok_or_else(wanted)?;
+    Ok([finite(x.trim()).map_err(|_| wanted())?, finite(y.trim()).map_err(|_| wanted())?])
+}
+
+/// A finite number.
+pub(super) fn finite(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        _ => Err(format!("'{text}' is not a finite number")),
+    }
+}
+
+/// The sample building as a plan.
+pub(super) fn sample() -> Result<(PlanRaster, PackedPlan)> {
+    let building = crate::sample::building();
+    let raster = PlanRaster {
+        width: building.width,
+        height: building.height,
+        walls: building.walls,
+        windows: building.windows,
+        resolution_m: crate::sample::RESOLUTION_M,
+        origin: [0.0, 0.0],
+    };
+    let packed = PackedPlan::new(&raster)?;
+    Ok((raster, packed))
+}

@@ -1,0 +1,193 @@
+//! From a plan raster to what the core works on: the packed plan and the site map.
+
+use crate::interior::{self, InteriorOptions};
+use crate::plan_import::PlanRaster;
+use anyhow::{Context as _, Result, anyhow, bail};
+use compass_core::num::{Metres, Point, Turn};
+use compass_core::plan::{Frame, MarchError, Plan, pack, packed_len};
+use compass_core::scan::Scan;
+use compass_core::site_map::{Header, Layer, Sink, SiteMap, Writer};
+use indicatif::{ProgressBar, ProgressStyle};
+use rayon::prelude::*;
+use std::path::Path;
+
+/// A plan in the core's packed form.
+#[derive(Debug, Clone)]
+pub struct PackedPlan {
+    bytes: Vec<u8>,
+}
+
+impl PackedPlan {
+    /// Packs a raster.
+    ///
+    /// # Errors
+    /// When the resolution, origin or size lie outside what the core can hold.
+    pub fn new(raster: &PlanRaster) -> Result<Self> {
+        let (walls, windows) = (raster.walls_mask(), raster.windows_mask());
+        let [x, y] = raster.origin;
+        let origin = point(x, y).context("origin is too far out")?;
+        let frame = Frame { resolution_nm: raster.resolution_nm(), origin };
+        let mut bytes = vec![0; packed_len(&walls, &windows)?];
+        pack(&walls, &windows, frame, &mut bytes)?;
+        Ok(Self { bytes })
+    }
+
+    /// The plan.
+    ///
+    /// # Panics
+    /// Never: the bytes were packed by [`PackedPlan::new`].
+    #[must_use]
+    pub fn view(&self) -> Plan<'_> {
+        Plan::new(&self.bytes).expect("packed by this type")
+    }
+
+    /// The packed bytes.
+    #[must_use]
+    pub fn as_bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+
+    /// The checksum that the packed plan carries.
+    #[must_use]
+    pub fn checksum(&self) -> u32 {
+        let field = self.bytes.get(44..48).and_then(|b| b.try_into().ok()).unwrap_or([0; 4]);
+        u32::from_le_bytes(field)
+    }
+
+    /// Casts 360 rays from a position in metres.
+    ///
+    /// # Errors
+    /// Names the position when it is outside the plan or occupied.
+    pub fn scan(&self, at: [f64; 2], heading_deg: f64) -> Result<Scan> {
+        let [x, y] = at;
+        let mut scan = Scan::OPEN;
+        let position = point(x, y).ok_or(MarchError::Outside);
+        position
+            .and_then(|p| self.view().scan(p, turn(heading_deg), &mut scan))
+            .map_err(|e| anyhow!("position {x},{y}: {e}"))?;
+        Ok(scan)
+    }
+}
+
+/// A point of the map from metres; `None` when it is no number or out of reach.
+#[must_use]
+pub fn point(x: f64, y: f64) -> Option<Point> {
+    let metres = |v: f64| if v.is_finite() { Metres::checked_from_num(v) } else { None };
+    Some(Point::new(metres(x)?, metres(y)?))
+}
+
+/// A heading from degrees.
+#[must_use]
+pub fn turn(degrees: f64) -> Turn {
+    let share = degrees.rem_euclid(360.0) / 360.0;
+    // 2^32 itself is the whole turn, that is 0.
+    Turn::from_bits((share * 4_294_967_296.0).round() as u64 as u32)
+}
+
+/// Options of [`build`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BuildOptions {
+    /// Distance between candidates in metres.
+    pub spacing_m: f64,
+    /// Distance of candidates from anything occupied in metres.
+    pub clearance_m: f64,
+    /// Openings of the outline to bridge, in metres; automatic when absent.
+    pub max_gap_m: Option<f64>,
+}
+
+impl Default for BuildOptions {
+    fn default() -> Self {
+        Self { spacing_m: 0.5, clearance_m: interior::CLEARANCE_M, max_gap_m: None }
+    }
+}
+
+/// Builds the site map of a plan: candidates on a grid over the interior, each with its scan.
+///
+/// Uses all cores; the bytes are the same for any number of them.
+///
+/// # Errors
+/// A plan without interior, options out of range, or no candidate left.
+pub fn build(raster: &PlanRaster, plan: &PackedPlan, options: &BuildOptions) -> Result<Vec<u8>> {
+    let BuildOptions { spacing_m, clearance_m, max_gap_m } = *options;
+    let (walls, windows) = (raster.walls_mask(), raster.windows_mask());
+    let choice = max_gap_m.map_or_else(InteriorOptions::default, InteriorOptions::with_max_gap_m);
+    let found = interior::find(&walls, &windows, raster.resolution_m, &choice)?;
+    let cells = found.candidates(&walls, &windows, spacing_m, clearance_m)?;
+    if cells.is_empty() {
+        bail!("no candidate: spacing {spacing_m} m and clearance {clearance_m} m leave no position inside");
+    }
+    let layers = cast(plan, &cells);
+    let header = Header {
+        candidates: u32::try_from(cells.len()).context("too many candidates")?,
+        layers: 1,
+        frame: plan.view().frame(),
+        spacing_mm: (spacing_m * 1000.0).round() as u32,
+        plan_size: [raster.width, raster.height],
+        plan_checksum: plan.checksum(),
+    };
+    let mut writer = Writer::new(Bytes::default(), &header)?;
+    for (cell, layer) in cells.iter().zip(&layers) {
+        writer.candidate(*cell, std::slice::from_ref(layer))?;
+    }
+    Ok(writer.finish()?.0)
+}
+
+fn cast(plan: &PackedPlan, cells: &[[u16; 2]]) -> Vec<Layer> {
+    let progress = progress(cells.len(), "casting candidates");
+    let view = plan.view();
+    let layer = |&[column, row]: &[u16; 2]| {
+        let mut scan = Scan::OPEN;
+        // Candidates are free by construction; were one not, its scan would be open all around.
+        let _ = view.scan(view.cell_centre(column, row), Turn::ZERO, &mut scan);
+        progress.inc(1);
+        Layer::new(&scan)
+    };
+    let layers = cells.par_iter().map(layer).collect();
+    progress.finish_and_clear();
+    layers
+}
+
+/// A progress bar on standard error; silent when that is no terminal.
+#[must_use]
+pub fn progress(len: usize, what: &'static str) -> ProgressBar {
+    let style = ProgressStyle::with_template("{msg} [{bar:40}] {pos}/{len} {eta}");
+    let bar = ProgressBar::new(len as u64).with_message(what);
+    style.map_or_else(|_| bar.clone(), |style| bar.clone().with_style(style))
+}
+
+#[derive(Default)]
+struct Bytes(Vec<u8>);
+
+impl Sink for Bytes {
+    type Error = std::convert::Infallible;
+    fn append(&mut self, bytes: &[u8]) -> Result<(), Self::Error> {
+        self.0.extend_from_slice(bytes);
+        Ok(())
+    }
+}
+
+/// The bytes of a site map file, checked as a whole.
+///
+/// # Errors
+/// Names the file and the field that is wrong.
+pub fn read_map(path: &Path) -> Result<Vec<u8>> {
+    let bytes = std::fs::read(path).with_context(|| format!("{}: cannot be read", path.display()))?;
+    SiteMap::new(&bytes).and_then(|map| map.verify()).map_err(|e| anyhow!("{}: {e}", path.display()))?;
+    Ok(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn degrees_become_turns() {
+        for degrees in [-720.0, -90.0, 0.0, 12.345, 359.999_999_999_9, 1e6] {
+            let back = f64::from(turn(degrees).to_bits()) / 4_294_967_296.0 * 360.0;
+            let error = (back - f64::rem_euclid(degrees, 360.0) + 180.0).rem_euclid(360.0) - 180.0;
+            assert!(error.abs() < 1e-7, "{degrees} became {back}");
+        }
+        assert!(point(f64::NAN, 0.0).is_none());
+        assert!(point(1e12, 0.0).is_none());
+    }
+}

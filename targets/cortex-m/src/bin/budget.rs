@@ -1,0 +1,293 @@
+//! What the operations of a localization cost on a board, on any map: the figures by which a board is chosen.
+//!
+//! Arguments: a site map and the packed plan it was made from, files of the host, which are read into RAM.
+//!
+//! Figures are instructions, means over candidates spread over the map; a query is the descriptor of
+//! another candidate's place. `part` lines say where a figure above them comes from.
+#![no_std]
+#![no_main]
+
+use compass_core::descriptor::Descriptor;
+use compass_core::matching::{Board, Match, shortlist};
+use compass_core::num::{BINS, Score, Turn};
+use compass_core::plan::Plan;
+use compass_core::scan::Scan;
+use compass_core::similarity::{Candidate, Confidence, Query, Similarity, Weights};
+use compass_core::site_map::{SiteMap, SketchQuery};
+use compass_core::spectrum::{Complex, Correlator, MAX_POINTS, forward, inverse};
+use compass_firmware::{counter::Counter, stack};
+use core::ffi::CStr;
+use core::hint::black_box;
+use cortex_m_rt::entry;
+use semihosting::experimental::env;
+use semihosting::fs::File;
+use semihosting::io::Read;
+use semihosting::{println, process};
+
+/// Bytes of the map and the plan together.
+const INPUT_BYTES: usize = 3_800_000;
+/// Bytes of the command line.
+const LINE_BYTES: usize = 1024;
+/// Candidates that figures are averaged over.
+const SAMPLES: usize = 20;
+/// Direction of the scans: no special case of the trigonometry.
+const HEADING: Turn = Turn::from_ratio(741, 3600);
+/// Places of the shortlist, and the pool of its alternatives.
+const SHORTLIST: usize = 64;
+const POOL: usize = 4 * SHORTLIST;
+
+/// Instructions that an operation may take.
+const SCAN_LIMIT: u64 = 400_000;
+const CORRELATION_LIMIT: u64 = 500_000;
+const RANKING_LIMIT: u64 = 10_000;
+
+/// What the operations work in.
+struct Workspace {
+    board: Board,
+    query: Query,
+    ranked: [(i32, u32); SHORTLIST],
+    pool: [Match; POOL],
+    scan: Scan,
+    descriptor: Descriptor,
+    candidate: Candidate,
+    correlator: Correlator,
+    correlation: [i32; BINS],
+    scores: [Score; BINS],
+    signal: [Complex; MAX_POINTS],
+}
+
+impl Workspace {
+    const EMPTY: Self = Self {
+        board: Board::new(),
+        query: Query::EMPTY,
+        ranked: [(0, 0); SHORTLIST],
+        pool: [Match::NONE; POOL],
+        scan: Scan::OPEN,
+        descriptor: Descriptor::ZERO,
+        candidate: Candidate::ZERO,
+        correlator: Correlator::new(),
+        correlation: [0; BINS],
+        scores: [Score::ZERO; BINS],
+        signal: [Complex::ZERO; MAX_POINTS],
+    };
+}
+
+#[entry]
+fn main() -> ! {
+    static mut INPUT: [u8; INPUT_BYTES] = [0; INPUT_BYTES];
+    static mut WORKSPACE: Workspace = Workspace::EMPTY;
+
+    let (map, plan) = read_files(INPUT);
+    println!("bytes map {} plan {} workspace {}", map.len(), plan.len(), size_of::<Workspace>());
+    let map = SiteMap::new(map).expect("the first file is a site map");
+    let plan = Plan::new(plan).expect("the second file is a packed plan");
+    map.verify().expect("the site map is whole");
+    plan.verify().expect("the plan is whole");
+    println!("candidates {}", map.len());
+
+    let mut bench = Bench { counter: Counter::start(), map, plan, work: WORKSPACE };
+    let before = stack::high_water_mark();
+    bench.scans();
+    bench.query();
+    bench.correlations();
+    bench.ranking();
+    let after = stack::high_water_mark();
+    println!("stack {after}");
+    if before == after {
+        println!("the operations took no more stack than reading the files: {before} is theirs");
+    }
+    process::exit(0)
+}
+
+struct Bench<'a> {
+    counter: Counter,
+    map: SiteMap<'a>,
+    plan: Plan<'a>,
+    work: &'a mut Workspace,
+}
+
+impl Bench<'_> {
+    /// Casting 360 rays.
+    fn scans(&mut self) {
+        let (mut all, mut most) = (Mean::default(), 0);
+        for candidate in self.samples() {
+            let cost = self.scan(candidate);
+            all.add(cost);
+            most = most.max(cost);
+        }
+        figure("scan", all.mean(), Some(SCAN_LIMIT));
+        part("most", most);
+    }
+
+    fn scan(&mut self, candidate: usize) -> u64 {
+        let at = self.map.position(candidate).expect("samples are within the map");
+        let (cast, cost) = self.counter.count(|| black_box(self.plan).scan(at, HEADING, &mut self.work.scan));
+        cast.expect("candidates are free");
+        cost
+    }
+
+    /// A query from the place of the middle candidate, and making it ready.
+    fn query(&mut self) {
+        self.scan(self.map.len() / 2);
+        let work = &mut *self.work;
+        let ((), fill) = self.counter.count(|| black_box(&mut work.descriptor).fill(&work.scan));
+        let ((), set) = self.counter.count(|| {
+            work.query.set(&work.descriptor, &Confidence::CERTAIN, Weights::EQUAL, Similarity::Centred);
+        });
+        let ((), load) = self.counter.count(|| work.board.load(black_box(&work.query)));
+        work.query.load(&mut work.correlator);
+        figure("query", fill + set + load, None);
+        part("descriptor", fill);
+        part("set", set);
+        part("load", load);
+    }
+
+    /// Scoring one candidate at all headings.
+    fn correlations(&mut self) {
+        let mut whole = Mean::default();
+        let mut parts = [Mean::default(); PARTS.len()];
+        for candidate in self.samples() {
+            let work = &mut *self.work;
+            whole.add(
+                self.counter.count(|| drop_scores(&mut work.board, &work.query, &self.map, candidate)).1,
+            );
+            for (mean, cost) in parts.iter_mut().zip(self.correlation_parts(candidate)) {
+                mean.add(cost);
+            }
+        }
+        figure("correlation", whole.mean(), Some(CORRELATION_LIMIT));
+        for (name, mean) in PARTS.into_iter().zip(parts) {
+            part(name, mean.mean());
+        }
+    }
+
+    fn correlation_parts(&mut self, candidate: usize) -> [u64; PARTS.len()] {
+        let Workspace {
+            query,
+            scan,
+            descriptor,
+            candidate: other,
+            correlator,
+            correlation,
+            scores,
+            signal,
+            ..
+        } = &mut *self.work;
+        let record = self.map.get(candidate).expect("samples are within the map");
+        let counter = &self.counter;
+        let unpack = counter.count(|| black_box(record).scan(scan)).1;
+        let fill = counter.count(|| black_box(&mut *descriptor).fill(scan)).1;
+        let profile = counter.count(|| black_box(&mut *other).fill(descriptor)).1;
+        let all = counter.count(|| query.scores(black_box(other), correlator, scores)).1;
+        // As `Query::scores` calls it: values without their mean.
+        let value = |channel: usize, bin: usize| {
+            let (values, sums) = (&other.profile().values, other.sums());
+            let value = values.get(channel).and_then(|v| v.get(bin)).copied().unwrap_or_default();
+            BINS as i32 * i32::from(value) - sums.get(channel).copied().unwrap_or_default()
+        };
+        let correlate = counter.count(|| black_box(&mut *correlator).correlate(value, correlation)).1;
+        for (point, &value) in signal.iter_mut().zip(correlation.iter()) {
+            point.re = value;
+        }
+        let transform = counter.count(|| forward(black_box(&mut *signal))).1;
+        let back = counter.count(|| inverse(black_box(&mut *signal))).1;
+        let exact = counter.count(|| black_box(&*query).score(other, 7)).1;
+        [unpack, fill, profile, all, correlate, transform, back, exact]
+    }
+
+    /// Ranking by sketches, and the whole search.
+    fn ranking(&mut self) {
+        let work = &mut *self.work;
+        let map = self.map;
+        let candidates = map.len() as u64;
+        let (sketch, new) = self.counter.count(|| SketchQuery::new(black_box(&work.query)));
+        let (_, all) = self.counter.count(|| map.iter().map(|record| sketch.rank(&record.sketch())).max());
+        figure("ranking", all / candidates, Some(RANKING_LIMIT));
+        part("query_sketch", new);
+        let (answer, search) = self
+            .counter
+            .count(|| shortlist(&map, &work.query, None, &mut work.board, &mut work.ranked, &mut work.pool));
+        figure("shortlist", search, None);
+        part("per_candidate", search / candidates);
+        // What is left is the scoring of the shortlist.
+        part("per_place", search.saturating_sub(new + all) / u64::from(answer.scored.max(1)));
+        println!("best {:?}", answer.best());
+    }
+
+    /// Candidates spread over the map.
+    fn samples(&self) -> impl Iterator<Item = usize> + use<> {
+        let len = self.map.len();
+        (0..SAMPLES).map(move |sample| (2 * sample + 1) * len / (2 * SAMPLES))
+    }
+}
+
+/// Parts of a correlation; the last belongs to the shortlist, which scores each peak exactly.
+const PARTS: [&str; 8] = [
+    "unpack",
+    "descriptor",
+    "candidate",
+    "scores",
+    "scores/correlate",
+    "scores/correlate/forward",
+    "scores/correlate/inverse",
+    "exact_score",
+];
+
+#[inline(never)]
+fn drop_scores(board: &mut Board, query: &Query, map: &SiteMap<'_>, candidate: usize) {
+    black_box(board.scores(query, map, candidate));
+}
+
+#[derive(Debug, Clone, Copy, Default)]
+struct Mean {
+    sum: u64,
+    count: u64,
+}
+
+impl Mean {
+    fn add(&mut self, value: u64) {
+        self.sum += value;
+        self.count += 1;
+    }
+
+    const fn mean(self) -> u64 {
+        self.sum / if self.count == 0 { 1 } else { self.count }
+    }
+}
+
+fn figure(name: &str, instructions: u64, limit: Option<u64>) {
+    match limit {
+        Some(limit) if instructions <= limit => println!("insns {name} {instructions} within {limit}"),
+        Some(limit) => println!("insns {name} {instructions} ABOVE {limit}"),
+        None => println!("insns {name} {instructions}"),
+    }
+}
+
+fn part(name: &str, instructions: u64) {
+    println!("  part {name} {instructions}");
+}
+
+/// Reads the files named by the first two arguments.
+fn read_files(memory: &mut [u8]) -> (&[u8], &[u8]) {
+    let arguments = env::args::<LINE_BYTES>().expect("the command line is short");
+    let mut paths = (&arguments).skip(1).map(|path| path.expect("paths are UTF-8"));
+    let (Some(map), Some(plan)) = (paths.next(), paths.next()) else {
+        panic!("usage: -append \"MAP PLAN\", the names of a site map and of a packed plan without spaces")
+    };
+    let (map, rest) = read_file(map, memory);
+    let (plan, _) = read_file(plan, rest);
+    (map, plan)
+}
+
+/// Reads a file to the front of `memory`; returns it and the rest.
+fn read_file<'a>(path: &str, memory: &'a mut [u8]) -> (&'a [u8], &'a mut [u8]) {
+    let mut name = [0; LINE_BYTES];
+    name.get_mut(..path.len()).expect("the command line is no longer").copy_from_slice(path.as_bytes());
+    let name = CStr::from_bytes_until_nul(&name).expect("the path is shorter than the buffer");
+    let mut file = File::open(name).unwrap_or_else(|error| panic!("{path}: {error:?}"));
+    let length = file.metadata().unwrap_or_else(|error| panic!("{path}: {error:?}")).len();
+    let split = usize::try_from(length).ok().and_then(|length| memory.split_at_mut_checked(length));
+    let Some((bytes, rest)) = split else { panic!("{path}: {length} bytes do not fit {INPUT_BYTES}") };
+    file.read_exact(bytes).unwrap_or_else(|error| panic!("{path}: {error:?}"));
+    (bytes, rest)
+}
