@@ -142,7 +142,7 @@ fn deviation(sum: u32, squares: u32) -> Level {
     // 121 variance, at most 121 * 750^2 < 2^26.1: four more bits fit.
     let spread = (WINDOW * squares - sum * sum) << 4;
     // 4 * 11 * standard deviation in steps, over 44 * 500 steps (10 m).
-    ratio(spread.isqrt(), 4 * WINDOW * 10 * STEPS_PER_METRE as u32)
+    ratio(spread.isqrt(), 4 * WINDOW * 10 * u32::from(STEPS_PER_METRE))
 }
 
 #[cfg(test)]

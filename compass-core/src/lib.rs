@@ -32,6 +32,8 @@
 extern crate std;
 
 pub mod descriptor;
+#[cfg(feature = "draw")]
+pub mod draw;
 mod harmonics;
 pub mod matching;
 pub mod num;

@@ -58,7 +58,7 @@ impl Point {
 #[cfg(feature = "defmt")]
 impl defmt::Format for Point {
     fn format(&self, f: defmt::Formatter<'_>) {
-        let millimetres = |v: Metres| (i128::from(v.to_bits()) * 1000 >> 32) as i64;
+        let millimetres = |v: Metres| ((i128::from(v.to_bits()) * 1000) >> 32) as i64;
         defmt::write!(f, "({} mm, {} mm)", millimetres(self.x), millimetres(self.y));
     }
 }
@@ -106,7 +106,7 @@ impl Turn {
         (degrees as usize, scaled as u32)
     }
 
-    /// The angle in millionths of a degree, 0..360_000_000, rounded to the nearest.
+    /// The angle in millionths of a degree, `0..360_000_000`, rounded to the nearest.
     #[must_use]
     pub const fn to_microdegrees(self) -> u32 {
         let scaled = (self.0 as u64 * 360_000_000 + (1 << 31)) >> 32;

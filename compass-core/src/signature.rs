@@ -114,7 +114,7 @@ mod tests {
         let mut scan = Scan::OPEN;
         for j in 0..BINS {
             let run = (j as u64 / 9 + seed).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40;
-            scan.hit[j] = if run % 3 == 0 { Hit::Window } else { Hit::Wall };
+            scan.hit[j] = if run.is_multiple_of(3) { Hit::Window } else { Hit::Wall };
             scan.steps[j] = (50 + run % 900) as u16;
         }
         scan

@@ -381,7 +381,7 @@ impl LowQuery {
     /// The low part, in units of the products, from which on a candidate can reach a score.
     fn reach(&self, group: &Group, place: usize, floor: i32) -> i64 {
         let Sizes { norms, offset } = self.sizes(group, place);
-        let product = i128::from(norms) * i128::from(floor) >> 30;
+        let product = (i128::from(norms) * i128::from(floor)) >> 30;
         let correlation = (product as i64 - offset) / self.factor() - self.rest(group, place) - 2;
         let exponent = self.exponent(group, place);
         if exponent >= 0 { (correlation >> exponent) - 1 } else { (correlation << -exponent) - 1 }

@@ -61,7 +61,7 @@ impl Group {
     }
 
     fn set(&mut self, place: usize, candidate: &Candidate) {
-        let spectrum = candidate.profile().values.each_ref().map(|values| spectrum(values));
+        let spectrum = candidate.profile().values.each_ref().map(spectrum);
         let shift = headroom(&spectrum);
         let (half, lane) = (place / LANES, place % LANES);
         for (channel, harmonics) in spectrum.iter().enumerate() {

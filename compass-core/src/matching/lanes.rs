@@ -101,6 +101,7 @@ fn first_stages(re: &mut [Lane; POINTS], im: &mut [Lane; POINTS]) {
 }
 
 #[inline(never)]
+#[expect(clippy::needless_pass_by_value, reason = "pairs of exclusive borrows")]
 fn butterfly(a: (&mut Lane, &mut Lane), b: (&mut Lane, &mut Lane), [cos, sin]: &[Lane; 2]) {
     // a w / 2, rounded down.
     let half = |value: i16, w: i16| ((i32::from(value) * i32::from(w)) >> 16) as i16;

@@ -8,8 +8,8 @@
 //!
 //! | | numerator | squared norm of one side |
 //! |---|---|---|
-//! | plain | sum_ch w sum_i m q d | sum_ch w sum_i m v^2 |
-//! | centred | sum_ch w (M sum_i m q d - sum_i m q sum_i m d), M = sum_i m | sum_ch w (M sum_i m v^2 - (sum_i m v)^2) |
+//! | plain | `sum_ch w sum_i m q d` | `sum_ch w sum_i m v^2` |
+//! | centred | `sum_ch w (M sum_i m q d - sum_i m q sum_i m d)`, `M = sum_i m` | `sum_ch w (M sum_i m v^2 - (sum_i m v)^2)` |
 //!
 //! where d is taken at bin i + s. Bins of confidence 0 neither help nor hurt. The score is the
 //! numerator over the product of the norms, 0 when a norm is 0.

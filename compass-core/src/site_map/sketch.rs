@@ -106,7 +106,7 @@ impl SketchQuery {
     }
 }
 
-/// Re sum_k p_k exp(2 pi i k s / 32), Q6.
+/// `Re sum_k p_k exp(2 pi i k s / 32)`, Q6.
 fn at(products: &[Pair<i32>; SKETCH_HARMONICS], s: usize) -> i32 {
     let turn = |k: usize| TURNS.get(k * s % SKETCH_POINTS).copied().unwrap_or([0; 2]);
     products
@@ -132,7 +132,7 @@ mod tests {
         for j in 0..BINS {
             let i = (j + turn) % BINS;
             scan.steps[j] = (200 + (i * seed) % 331 + 3 * (i / 40) * seed % 400) as u16;
-            scan.hit[j] = if (i / 25 + seed) % 3 == 0 { Hit::Window } else { Hit::Wall };
+            scan.hit[j] = if (i / 25 + seed).is_multiple_of(3) { Hit::Window } else { Hit::Wall };
         }
         Descriptor::from(&scan)
     }

@@ -17,7 +17,7 @@ fn scan(seed: usize) -> Scan {
     let mut scan = Scan { steps: [40; BINS], hit: [Hit::Wall; BINS] };
     for j in 0..BINS {
         scan.steps[j] = (30 + (j * seed) % 30) as u16;
-        scan.hit[j] = if (j / 20 + seed) % 4 == 0 { Hit::Window } else { Hit::Wall };
+        scan.hit[j] = if (j / 20 + seed).is_multiple_of(4) { Hit::Window } else { Hit::Wall };
     }
     scan
 }

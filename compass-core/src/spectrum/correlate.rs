@@ -89,7 +89,7 @@ impl Correlator {
     pub fn correlate(&mut self, value: impl Fn(usize, usize) -> i32, out: &mut [i32; BINS]) -> i32 {
         let scale = Scale::of(self.channels, &value);
         // |product| summed over the pairs is at most the product of the norms, 2^28 / 1024 of it here.
-        let bound = u128::from(self.scale.norm) * u128::from(scale.norm) << 18;
+        let bound = (u128::from(self.scale.norm) * u128::from(scale.norm)) << 18;
         let shift = (u128::BITS - bound.leading_zeros()).saturating_sub(30);
         self.sum.fill(Complex::ZERO);
         for (pair, query) in self.query.iter().enumerate().take(self.channels.div_ceil(2)) {

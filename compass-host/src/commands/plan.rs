@@ -11,7 +11,7 @@ pub(super) struct Reading {
     /// Raster of the same size with the walls alone; glazing is what the plan has beyond it
     #[arg(long, value_name = "FILE")]
     walls: Option<PathBuf>,
-    /// Metres per pixel [default: 0.01, or what the map_server .yaml says]
+    /// Metres per pixel [default: 0.01, or what the ROS .yaml says]
     #[arg(long, value_name = "M", allow_hyphen_values = true)]
     resolution: Option<f64>,
     /// Map position of the outer corner of the bottom-left pixel in metres [default: 0,0]
@@ -43,7 +43,7 @@ impl Reading {
 /// A plan file, by position or by `--plan`, and how it is read.
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct PlanArgs {
-    /// Floor plan: dark = wall, red = glazing; or a ROS map_server .yaml
+    /// Floor plan: dark = wall, red = glazing; or a ROS map .yaml
     #[arg(value_name = "PLAN", conflicts_with = "plan_option")]
     plan: Option<PathBuf>,
     /// The same, as an option
