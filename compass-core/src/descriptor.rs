@@ -1,7 +1,7 @@
 //! The 5 x 360 descriptor of a scan (paper: multi-channel scene signature).
 //!
-//! All five channels are exact rationals of whole march steps, rounded once to [`Level`]: every
-//! value is within 2^-14 of the real one, channel 4 within 2^-13.
+//! Channels 0 to 3 are rationals of whole march steps, rounded once to [`Level`]: every value is within
+//! 2^-14 of the real one. Channel 4 is the root of one, within 2^-13.
 
 use crate::num::{BINS, Level};
 use crate::scan::{Hit, MAX_STEPS, STEPS_PER_METRE, Scan};

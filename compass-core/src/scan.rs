@@ -42,6 +42,9 @@ impl Scan {
     /// A scan that meets nothing anywhere.
     pub const OPEN: Self = Self { steps: [MAX_STEPS; BINS], hit: [Hit::Open; BINS] };
 
+    /// All bytes zero: what workspaces begin with, so that statics need no initial image.
+    pub(crate) const BLANK: Self = Self { steps: [0; BINS], hit: [Hit::Open; BINS] };
+
     /// The number of bins with this hit type.
     #[must_use]
     pub fn count(&self, hit: Hit) -> usize {

@@ -19,8 +19,8 @@ pub struct MatchOptions {
     pub similarity: Similarity,
     /// Channel weights.
     pub weights: Weights,
-    /// Keep only this many candidates of the nearest transition signatures.
-    pub prefilter: Option<usize>,
+    /// Keep about this many candidates of the nearest transition signatures.
+    pub prefilter: Option<u32>,
 }
 
 /// A site map and what the exact search needs beside it.
@@ -70,7 +70,7 @@ impl<'a> Localizer<'a> {
         self.query.set(&descriptor, &Confidence::CERTAIN, options.weights, options.similarity);
         let signature = options.prefilter.map(|keep| {
             let signature = Signature::new(scan);
-            (signature, nearest_signatures(&self.map, &signature, keep))
+            (signature, nearest_signatures(&self.map, &signature, keep as usize))
         });
         let index = Index::new(&self.groups, &self.map).ok_or_else(|| anyhow!("index of another map"))?;
         exhaustive(

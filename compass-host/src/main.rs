@@ -4,14 +4,26 @@ use clap::Parser as _;
 use compass_host::commands::{Cli, Outcome};
 use std::process::ExitCode;
 
+/// The chain of causes in one line; a cause that the message before it already ends with is not repeated.
+fn one_line(error: &anyhow::Error) -> String {
+    let mut text = String::new();
+    for cause in error.chain() {
+        let cause = cause.to_string();
+        if text.is_empty() {
+            text = cause;
+        } else if !text.ends_with(&cause) {
+            text = format!("{text}: {cause}");
+        }
+    }
+    text.replace('\n', " ")
+}
+
 fn main() -> ExitCode {
     match Cli::parse().run() {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::No) => ExitCode::from(1),
         Err(error) => {
-            // One line, whatever the chain of causes.
-            let text = format!("{error:#}").replace('\n', " ");
-            eprintln!("compass: {text}");
+            eprintln!("compass: {}", one_line(&error));
             ExitCode::from(2)
         }
     }

@@ -64,7 +64,7 @@ impl PackedPlan {
         let position = point(x, y).ok_or(MarchError::Outside);
         position
             .and_then(|p| self.view().scan(p, turn(heading_deg), &mut scan))
-            .map_err(|e| anyhow!("position {x},{y}: {e}"))?;
+            .map_err(|e| anyhow!("at {x},{y}: {e}"))?;
         Ok(scan)
     }
 }

@@ -50,7 +50,7 @@ impl Exact {
             low: LowQuery::EMPTY,
             re: [[0; LANES]; POINTS],
             im: [[0; LANES]; POINTS],
-            scan: Scan::OPEN,
+            scan: Scan::BLANK,
             descriptor: Descriptor::ZERO,
             candidate: Candidate::ZERO,
             scores: [None; BINS],
@@ -184,7 +184,9 @@ impl Search<'_, '_> {
 
     fn offer_if_peak(&mut self, candidate: u32, shift: usize, floor: i32) {
         let here = self.at(shift);
-        if here < floor || here < self.at((shift + 1) % BINS) || here <= self.at((shift + BINS - 1) % BINS) {
+        let (before, after) = (self.at((shift + BINS - 1) % BINS), self.at((shift + 1) % BINS));
+        // A plateau counts once, by its first shift; a constant by shift 0.
+        if here < floor || here < after || here < before || (here == before && shift != 0) {
             return;
         }
         self.best = self.best.max(here);

@@ -3,28 +3,27 @@
 use crate::signature::Signature;
 use crate::site_map::SiteMap;
 
-/// Largest distance of two signatures.
-const FARTHEST: usize = 16 * 255;
+/// Distances are counted in steps of this.
+const STEP: usize = 16;
+/// Steps up to the largest distance of two signatures, 16 x 255.
+const STEPS: usize = 16 * 255 / STEP + 1;
 
-/// The signature distance that keeps the `keep` nearest candidates (more when several are equally
-/// far); candidates above it may be left out. One pass over the map and one over 4081 counters.
-///
-/// Reads 16 bytes a candidate. Returns the largest possible distance when `keep` covers the map.
+/// The signature distance that keeps the `keep` nearest candidates; candidates above it may be left
+/// out. It is a multiple of 16 less one, so some more may be kept. One pass over the map, 16 bytes a candidate.
 #[must_use]
 pub fn nearest_signatures(map: &SiteMap<'_>, query: &Signature, keep: usize) -> u16 {
-    let mut counts = [0_u32; FARTHEST + 1];
+    let mut counts = [0_u32; STEPS];
     for record in map.iter() {
-        let distance = usize::from(record.signature().distance(query));
-        if let Some(count) = counts.get_mut(distance) {
+        let step = usize::from(record.signature().distance(query)) / STEP;
+        if let Some(count) = counts.get_mut(step) {
             *count += 1;
         }
     }
     let mut kept = 0_usize;
-    for (distance, count) in counts.iter().enumerate() {
+    let enough = |count: &u32| {
         kept += *count as usize;
-        if kept >= keep.max(1) {
-            return distance as u16;
-        }
-    }
-    FARTHEST as u16
+        kept >= keep.max(1)
+    };
+    let step = counts.iter().position(enough).unwrap_or(STEPS);
+    ((step + 1) * STEP - 1) as u16
 }

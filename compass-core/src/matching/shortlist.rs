@@ -29,7 +29,7 @@ impl Board {
         Self {
             correlator: Correlator::new(),
             candidate: Candidate::ZERO,
-            scan: Scan::OPEN,
+            scan: Scan::BLANK,
             descriptor: Descriptor::ZERO,
             scores: [crate::num::Score::ZERO; BINS],
         }
@@ -92,7 +92,7 @@ pub(super) fn local_peaks(scores: &[crate::num::Score; BINS]) -> impl Iterator<I
 
 /// Ranks all candidates by their sketches and scores the best `ranked.len()` exactly.
 ///
-/// `ranked` holds the shortlist (64 is plenty), `pool` the matches to choose alternatives from (four
+/// `ranked` holds the shortlist (48 is plenty), `pool` the matches to choose alternatives from (four
 /// per place of the shortlist). With `signature`, candidates farther from it than the distance beside it are
 /// left out ([`super::nearest_signatures`]).
 pub fn shortlist(

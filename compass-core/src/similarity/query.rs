@@ -1,10 +1,10 @@
 //! A query descriptor prepared for scoring many candidates.
 
-use super::{Candidate, Profile, Similarity, Weights, cosine, scaled_cosine};
+use super::{Candidate, Normalizer, Profile, Similarity, Weights, cosine};
 use crate::descriptor::{CHANNELS, Descriptor};
 use crate::harmonics::dot;
 use crate::num::{BINS, Score};
-use crate::spectrum::Correlator;
+use crate::spectrum::{Correlator, Extent};
 
 /// How far each bin of a query may be trusted, in sixteenths: 0 unknown, 16 certain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -62,7 +62,7 @@ impl Peak {
 /// Values repeated once, so that every shift is one contiguous slice.
 type Doubled<T> = [T; 2 * BINS];
 
-/// A query descriptor with weights, confidence and the kind of cosine: 16 KiB.
+/// A query descriptor with weights, confidence and the kind of cosine: 9 KiB.
 #[derive(Debug, Clone)]
 pub struct Query {
     similarity: Similarity,
@@ -115,7 +115,7 @@ impl Query {
             *sum = (0..BINS).map(|bin| i64::from(mask(bin)) * i64::from(value(bin))).sum();
             *square = (0..BINS).map(|bin| i64::from(mask(bin)) * i64::from(value(bin)).pow(2)).sum();
         }
-        self.norm = self.weigh(|c| self.spread(pick(&squares, c), pick(&self.sums, c).pow(2))).unsigned_abs();
+        self.norm = self.norm_of(&self.sums, &squares);
     }
 
     /// The weights.
@@ -188,8 +188,12 @@ impl Query {
         let (sums, squares) = self.moments(candidate, start);
         let numerator =
             self.weigh(|c| self.spread(pick(&numerator, c), pick(&self.sums, c) * pick(&sums, c)));
-        let norm = self.weigh(|c| self.spread(pick(&squares, c), pick(&sums, c).pow(2)));
-        (numerator, norm.unsigned_abs())
+        (numerator, self.norm_of(&sums, &squares))
+    }
+
+    /// The squared norm of a side from its sums and sums of squares.
+    fn norm_of(&self, sums: &[i64; CHANNELS], squares: &[i64; CHANNELS]) -> u64 {
+        self.weigh(|c| self.spread(pick(squares, c), pick(sums, c).pow(2))).unsigned_abs()
     }
 
     /// sum m d and sum m d^2 per channel.
@@ -218,7 +222,11 @@ impl Query {
             return self.best_of(candidate, 0..BINS);
         }
         let mut rough = [0; BINS];
-        let _ = correlator.correlate(|c, bin| self.other_value(candidate, c, bin), &mut rough);
+        let _ = correlator.correlate(
+            self.other_extent(candidate),
+            |c, bin| self.other_value(candidate, c, bin),
+            &mut rough,
+        );
         let top = rough.iter().copied().max().unwrap_or(0);
         let near = (0..BINS).filter(|&s| pick(&rough, s) >= top.saturating_sub(2 * CORRELATION_ERROR));
         self.best_of(candidate, near)
@@ -234,13 +242,19 @@ impl Query {
             return;
         }
         let mut rough = [0; BINS];
-        let exponent = correlator.correlate(|c, bin| self.other_value(candidate, c, bin), &mut rough);
-        let (_, norm) = self.parts(candidate, 0);
+        let exponent = correlator.correlate(
+            self.other_extent(candidate),
+            |c, bin| self.other_value(candidate, c, bin),
+            &mut rough,
+        );
+        let (sums, squares) = self.moments(candidate, 0);
+        let norm = self.norm_of(&sums, &squares);
         // Centred values carry a factor M on both sides, the parts only one.
         let factor = if self.similarity == Similarity::Centred { self.total.unsigned_abs() } else { 1 };
         let norm = norm * factor;
+        let normalizer = Normalizer::new(self.norm * factor, norm, exponent);
         for (score, value) in out.iter_mut().zip(rough) {
-            *score = scaled_cosine(i64::from(value), exponent, self.norm * factor, norm);
+            *score = normalizer.cosine(value);
         }
     }
 
@@ -252,9 +266,32 @@ impl Query {
         });
     }
 
+    /// How large the values of a candidate can be.
+    fn other_extent(&self, candidate: &Candidate) -> Extent {
+        let energy = |(&sum, &square): (&i32, &i32)| {
+            let (sum, square) = (i64::from(sum), i64::from(square));
+            match self.similarity {
+                Similarity::Plain => square,
+                // sum (360 v - S)^2 = 360 (360 sum v^2 - S^2)
+                Similarity::Centred => BINS as i64 * (BINS as i64 * square - sum * sum),
+            }
+        };
+        let total: i64 = candidate.sums.iter().zip(&candidate.squares).map(energy).sum();
+        // Values are at most 1536, centred ones 360 times that.
+        let largest = match self.similarity {
+            Similarity::Plain => 1536,
+            Similarity::Centred => 1536 * BINS as u32,
+        };
+        Extent { largest, norm: total.unsigned_abs().isqrt() + 1 }
+    }
+
     fn other_value(&self, candidate: &Candidate, channel: usize, bin: usize) -> i32 {
-        let value = candidate.profile.values.get(channel).map_or(0, |v| pick(v, bin));
-        self.centred(i64::from(value), i64::from(pick(&candidate.sums, channel))) as i32
+        let value = i32::from(candidate.profile.values.get(channel).map_or(0, |v| pick(v, bin)));
+        match self.similarity {
+            Similarity::Plain => value,
+            // Below 2^20 in magnitude.
+            Similarity::Centred => BINS as i32 * value - pick(&candidate.sums, channel),
+        }
     }
 
     /// 360 v - sum for the centred cosine, v for the plain one; below 2^20 in magnitude.

@@ -1,4 +1,4 @@
-//! Radix-2 fast Fourier transform in fixed point.
+//! Radix-2 fast Fourier transform in fixed point, two stages a pass.
 //!
 //! Decimation in frequency forwards (natural order in, bit-reversed order out), decimation in time
 //! backwards (bit-reversed in, natural out): a product of spectra needs no reordering at all.
@@ -40,31 +40,130 @@ impl Complex {
     pub const ZERO: Self = Self { re: 0, im: 0 };
 }
 
-/// cos and sin of 2 pi k / 1024 in Q31, k in 0..512; 1.0 is stored as 2^31 - 1.
-static TWIDDLES: [Complex; MAX_POINTS / 2] = {
-    // cos and sin of 2 pi / 1024 in Q62; the recursion's error stays below 2^-52.
+/// exp(2 pi i k / 1024) for k, 2 k and 3 k, in Q31 with 1.0 as 2^31 - 1; by k in 0..256.
+static TWIDDLES: [[Complex; 3]; MAX_POINTS / 4] = {
+    // cos and sin of 2 pi / 1024 in Q62; the recursion's error stays below 2^-51.
     const COS_1: i128 = 4_611_599_204_741_358_747;
     const SIN_1: i128 = 28_296_773_447_188_932;
     const fn q31(v: i128) -> i32 {
         let rounded = (v + (1 << 30)) >> 31;
         if rounded > i32::MAX as i128 { i32::MAX } else { rounded as i32 }
     }
-    let mut table = [Complex::ZERO; MAX_POINTS / 2];
+    let mut turns = [Complex::ZERO; MAX_POINTS];
     let (mut cos, mut sin) = (1_i128 << 62, 0_i128);
     let mut k = 0;
-    while k < MAX_POINTS / 2 {
-        table[k] = Complex { re: q31(cos), im: q31(sin) };
+    while k < MAX_POINTS {
+        turns[k] = Complex { re: q31(cos), im: q31(sin) };
         let next = (cos * COS_1 - sin * SIN_1) >> 62;
         sin = (sin * COS_1 + cos * SIN_1) >> 62;
         cos = next;
         k += 1;
     }
+    let mut table = [[Complex::ZERO; 3]; MAX_POINTS / 4];
+    let mut k = 0;
+    while k < MAX_POINTS / 4 {
+        table[k] = [turns[k], turns[2 * k], turns[3 * k]];
+        k += 1;
+    }
     table
 };
 
+/// The turns by k, 2 k and 3 k of 1024; the mask makes the look-up total.
+#[inline(always)]
+fn twiddles(k: usize) -> &'static [Complex; 3] {
+    &TWIDDLES[k % (MAX_POINTS / 4)]
+}
+
+/// exp(2 pi i k / 1024), k below 512.
+fn twiddle(k: usize) -> Complex {
+    let [turn, ..] = *twiddles(k);
+    if k < MAX_POINTS / 4 { turn } else { turn.quarter_turn() }
+}
+
 /// The high word of the product: a * b / 2 for b in Q31.
+#[inline(always)]
 const fn half_product(a: i32, b: i32) -> i32 {
     ((a as i64 * b as i64) >> 32) as i32
+}
+
+impl Complex {
+    /// (a + b) / 2.
+    #[inline(always)]
+    const fn half_sum(self, b: Self) -> Self {
+        self.sum(b).halved()
+    }
+
+    /// (a - b) / 2.
+    #[inline(always)]
+    const fn half_difference(self, b: Self) -> Self {
+        self.difference(b).halved()
+    }
+
+    /// a / 2.
+    #[inline(always)]
+    const fn halved(self) -> Self {
+        Self { re: self.re >> 1, im: self.im >> 1 }
+    }
+
+    /// a / 2 + b / 2, for sums that may take the whole word.
+    #[inline(always)]
+    const fn halves(self, b: Self) -> Self {
+        self.halved().sum(b.halved())
+    }
+
+    /// a / 2 - b / 2.
+    #[inline(always)]
+    const fn halves_apart(self, b: Self) -> Self {
+        self.halved().difference(b.halved())
+    }
+
+    /// a / 4 + b / 4.
+    #[inline(always)]
+    const fn quarters(self, b: Self) -> Self {
+        Self { re: (self.re >> 2).wrapping_add(b.re >> 2), im: (self.im >> 2).wrapping_add(b.im >> 2) }
+    }
+
+    /// a / 4 - b / 4.
+    #[inline(always)]
+    const fn quarters_apart(self, b: Self) -> Self {
+        Self { re: (self.re >> 2).wrapping_sub(b.re >> 2), im: (self.im >> 2).wrapping_sub(b.im >> 2) }
+    }
+
+    /// a + b.
+    #[inline(always)]
+    const fn sum(self, b: Self) -> Self {
+        Self { re: self.re.wrapping_add(b.re), im: self.im.wrapping_add(b.im) }
+    }
+
+    /// a - b.
+    #[inline(always)]
+    const fn difference(self, b: Self) -> Self {
+        Self { re: self.re.wrapping_sub(b.re), im: self.im.wrapping_sub(b.im) }
+    }
+
+    /// i a.
+    #[inline(always)]
+    const fn quarter_turn(self) -> Self {
+        Self { re: self.im.wrapping_neg(), im: self.re }
+    }
+
+    /// a w / 2.
+    #[inline(always)]
+    const fn turn_half(self, w: Self) -> Self {
+        Self {
+            re: half_product(self.re, w.re).wrapping_sub(half_product(self.im, w.im)),
+            im: half_product(self.re, w.im).wrapping_add(half_product(self.im, w.re)),
+        }
+    }
+
+    /// a conj(w) / 2.
+    #[inline(always)]
+    const fn turn_back_half(self, w: Self) -> Self {
+        Self {
+            re: half_product(self.re, w.re).wrapping_add(half_product(self.im, w.im)),
+            im: half_product(self.im, w.re).wrapping_sub(half_product(self.re, w.im)),
+        }
+    }
 }
 
 /// Transforms `data` in place: `data[bitrev(k)] = (1/N) sum_n data[n] exp(-2 pi i n k / N)`.
@@ -77,23 +176,76 @@ pub fn forward(data: &mut [Complex]) -> bool {
     if !is_supported(n) {
         return false;
     }
-    let mut half = n / 2;
-    while half >= 1 {
-        for block in data.chunks_exact_mut(2 * half) {
-            let (low, high) = block.split_at_mut(half);
-            let twiddles = TWIDDLES.iter().step_by(MAX_POINTS / 2 / half);
-            for ((a, b), w) in low.iter_mut().zip(high).zip(twiddles) {
-                let sum = Complex { re: (a.re >> 1) + (b.re >> 1), im: (a.im >> 1) + (b.im >> 1) };
-                let (re, im) = (a.re.wrapping_sub(b.re), a.im.wrapping_sub(b.im));
-                // (re + i im) (cos - i sin) / 2
-                b.re = half_product(re, w.re).wrapping_add(half_product(im, w.im));
-                b.im = half_product(im, w.re).wrapping_sub(half_product(re, w.im));
-                *a = sum;
-            }
+    let mut size = n;
+    // Two stages a pass; an odd one comes first.
+    if n.ilog2() % 2 == 1 {
+        let (low, high) = data.split_at_mut(n / 2);
+        for (k, (a, b)) in low.iter_mut().zip(high).enumerate() {
+            let difference = a.difference(*b);
+            *a = a.half_sum(*b);
+            *b = difference.turn_back_half(twiddle(k * (MAX_POINTS / n)));
         }
-        half /= 2;
+        size /= 2;
     }
+    forward_passes(data, size);
     true
+}
+
+/// The passes over blocks of `size` points, a power of four, and of the smaller ones.
+fn forward_passes(data: &mut [Complex], mut size: usize) {
+    while size > 4 {
+        match size {
+            1024 => forward_pass::<256, 1024>(data),
+            256 => forward_pass::<64, 256>(data),
+            64 => forward_pass::<16, 64>(data),
+            _ => forward_pass::<4, 16>(data),
+        }
+        size /= 4;
+    }
+    if size == 4 {
+        for [a, b, c, d] in data.as_chunks_mut::<4>().0 {
+            let (sum, difference) = (a.sum(*c), a.difference(*c));
+            let (other_sum, turned) = (b.sum(*d), b.difference(*d).quarter_turn());
+            *a = sum.quarters(other_sum);
+            *b = sum.quarters_apart(other_sum);
+            *c = difference.quarters_apart(turned);
+            *d = difference.quarters(turned);
+        }
+    }
+}
+
+/// Two stages of decimation in frequency over every block of `SIZE` = 4 `QUARTER` points. The sizes are
+/// constants so that a board needs one pointer, not four.
+fn forward_pass<const QUARTER: usize, const SIZE: usize>(data: &mut [Complex]) {
+    for block in data.as_chunks_mut::<SIZE>().0 {
+        for k in 0..QUARTER {
+            let [w1, w2, w3] = *twiddles(k * (MAX_POINTS / SIZE));
+            let (a, c) = (block[k], block[k + 2 * QUARTER]);
+            let (sum, difference) = (a.sum(c), a.difference(c));
+            let (b, d) = (block[k + QUARTER], block[k + 3 * QUARTER]);
+            let (other_sum, turned) = (b.sum(d), b.difference(d).quarter_turn());
+            block[k] = sum.quarters(other_sum);
+            block[k + QUARTER] = sum.halves_apart(other_sum).turn_back_half(w2);
+            block[k + 2 * QUARTER] = difference.halves_apart(turned).turn_back_half(w1);
+            block[k + 3 * QUARTER] = difference.halves(turned).turn_back_half(w3);
+        }
+    }
+}
+
+/// [`forward`] of 1024 points of which only the first 512 are other than zero: the first pass does
+/// without the rest. The same bits.
+pub(super) fn forward_padded(data: &mut [Complex; MAX_POINTS]) {
+    const QUARTER: usize = MAX_POINTS / 4;
+    for k in 0..QUARTER {
+        let [w1, w2, w3] = *twiddles(k);
+        let (a, b) = (data[k], data[k + QUARTER]);
+        let turned = b.quarter_turn();
+        data[k] = a.quarters(b);
+        data[k + QUARTER] = a.halves_apart(b).turn_back_half(w2);
+        data[k + 2 * QUARTER] = a.halves_apart(turned).turn_back_half(w1);
+        data[k + 3 * QUARTER] = a.halves(turned).turn_back_half(w3);
+    }
+    forward_passes(data, QUARTER);
 }
 
 /// Transforms `data` in place: `out[n] = (1/N) sum_k data[bitrev(k)] exp(+2 pi i n k / N)`.
@@ -105,23 +257,55 @@ pub fn inverse(data: &mut [Complex]) -> bool {
     if !is_supported(n) {
         return false;
     }
-    let mut half = 1;
-    while half < n {
-        for block in data.chunks_exact_mut(2 * half) {
-            let (low, high) = block.split_at_mut(half);
-            let twiddles = TWIDDLES.iter().step_by(MAX_POINTS / 2 / half);
-            for ((a, b), w) in low.iter_mut().zip(high).zip(twiddles) {
-                // b (cos + i sin) / 2
-                let re = half_product(b.re, w.re).wrapping_sub(half_product(b.im, w.im));
-                let im = half_product(b.im, w.re).wrapping_add(half_product(b.re, w.im));
-                let (a_re, a_im) = (a.re >> 1, a.im >> 1);
-                *b = Complex { re: a_re.wrapping_sub(re), im: a_im.wrapping_sub(im) };
-                *a = Complex { re: a_re.wrapping_add(re), im: a_im.wrapping_add(im) };
+    let mut size = 4;
+    if n >= 4 {
+        for [a, b, c, d] in data.as_chunks_mut::<4>().0 {
+            let (sum, difference) = (a.half_sum(*b), a.half_difference(*b));
+            let (other_sum, turned) = (c.half_sum(*d), c.half_difference(*d).quarter_turn());
+            *a = sum.half_sum(other_sum);
+            *c = sum.half_difference(other_sum);
+            *b = difference.half_sum(turned);
+            *d = difference.half_difference(turned);
+        }
+        while size * 4 <= n {
+            size *= 4;
+            match size {
+                16 => inverse_pass::<4, 16>(data),
+                64 => inverse_pass::<16, 64>(data),
+                256 => inverse_pass::<64, 256>(data),
+                _ => inverse_pass::<256, 1024>(data),
             }
         }
-        half *= 2;
+    } else {
+        size = 1;
+    }
+    if size < n {
+        let (low, high) = data.split_at_mut(n / 2);
+        for (k, (a, b)) in low.iter_mut().zip(high).enumerate() {
+            let turned = b.turn_half(twiddle(k * (MAX_POINTS / n)));
+            let halved = a.halved();
+            *a = halved.sum(turned);
+            *b = halved.difference(turned);
+        }
     }
     true
+}
+
+/// Two stages of decimation in time over every block of `SIZE` = 4 `QUARTER` points.
+fn inverse_pass<const QUARTER: usize, const SIZE: usize>(data: &mut [Complex]) {
+    for block in data.as_chunks_mut::<SIZE>().0 {
+        for k in 0..QUARTER {
+            let [w1, w2, w3] = *twiddles(k * (MAX_POINTS / SIZE));
+            let (a, b) = (block[k].halved(), block[k + QUARTER].turn_half(w2));
+            let (sum, difference) = (a.sum(b), a.difference(b));
+            let (c, d) = (block[k + 2 * QUARTER].turn_half(w1), block[k + 3 * QUARTER].turn_half(w3));
+            let (other_sum, turned) = (c.sum(d), c.difference(d).quarter_turn());
+            block[k] = sum.half_sum(other_sum);
+            block[k + 2 * QUARTER] = sum.half_difference(other_sum);
+            block[k + QUARTER] = difference.half_sum(turned);
+            block[k + 3 * QUARTER] = difference.half_difference(turned);
+        }
+    }
 }
 
 const fn is_supported(n: usize) -> bool {

@@ -3,5 +3,5 @@
 mod correlate;
 mod fft;
 
-pub use correlate::{CORRELATION_POINTS, Correlator};
+pub use correlate::{CORRELATION_POINTS, Correlator, Extent};
 pub use fft::{Complex, FFT_SNR_DB, FFT_WORST_LSB, MAX_POINTS, forward, inverse};

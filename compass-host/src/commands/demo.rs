@@ -7,10 +7,10 @@ use super::{pictures, plan};
 use crate::figures::{self, Curve, HitComparison, MapPose, Scores, SiteMapPicture};
 use crate::localizer::{Localizer, MatchOptions};
 use crate::noise::disturb;
-use crate::output::{Decimal, JsonOption, create_dir};
+use crate::output::{Decimal, JsonOption, create_dir, write_file};
 use crate::plan_import::PlanRaster;
 use crate::report::{Picture, Section, Table, write_html};
-use crate::sample::DEMO_POSE;
+use crate::sample::{self, DEMO_POSE};
 use crate::site::{BuildOptions, build};
 use anyhow::{Context as _, Result};
 use compass_core::descriptor::Descriptor;
@@ -138,6 +138,7 @@ impl Demo {
 
 fn draw(dir: &Path, run: &Run, poses: &[Pose]) -> Result<()> {
     let (at, heading) = DEMO_POSE;
+    write_plan(&dir.join("sample-building.png"))?;
     pictures::describe(dir, &run.raster, at, heading, &Described::fixed(&run.clean))?;
     let matched = matched_scan(run)?;
     let curves = curves(run)?;
@@ -155,6 +156,13 @@ fn draw(dir: &Path, run: &Run, poses: &[Pose]) -> Result<()> {
     let curves = [Curve { label: "plain", score: &plain }, Curve { label: "centred", score: &centred }];
     figures::draw_correlation(&dir.join("correlation.png"), &curves)?;
     draw_map(dir, run, poses)
+}
+
+/// Writes the sample building as an image, for the other commands to read.
+fn write_plan(path: &Path) -> Result<()> {
+    let mut png = std::io::Cursor::new(Vec::new());
+    sample::image(&sample::building()).write_to(&mut png, image::ImageFormat::Png)?;
+    write_file(path, png.get_ref())
 }
 
 /// The best candidate's scan, turned to the heading that was found.

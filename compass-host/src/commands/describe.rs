@@ -6,7 +6,7 @@ use super::plan::{PlanArgs, finite, pair};
 use crate::compare::float_levels;
 use crate::output::{Decimal, JsonOption, decimals};
 use crate::reference;
-use anyhow::{Result, anyhow};
+use anyhow::{Context as _, Result, anyhow};
 use compass_core::descriptor::Descriptor;
 use compass_core::scan::Hit;
 use serde::Serialize;
@@ -108,8 +108,9 @@ pub(super) const fn hit_name(hit: Hit) -> &'static str {
 impl Describe {
     pub(super) fn run(&self) -> Result<Outcome> {
         let (raster, plan) = self.plan.load()?;
+        let name = || self.plan.path().map_or_else(String::new, |p| p.display().to_string());
         let described = match self.engine {
-            Engine::Fixed => Described::fixed(&plan.scan(self.at, self.heading)?),
+            Engine::Fixed => Described::fixed(&plan.scan(self.at, self.heading).with_context(name)?),
             Engine::Float => {
                 let float = reference::Plan::new(
                     &raster.walls_mask(),
@@ -120,7 +121,7 @@ impl Describe {
                 let [x, y] = self.at;
                 let scan = float.scan(x, y, self.heading).ok_or_else(|| {
                     let what = float.hit_at(x, y).map_or("outside the plan", |_| "inside a wall or glazing");
-                    anyhow!("position {x},{y}: position is {what}")
+                    anyhow!("{}: at {x},{y}: position is {what}", name())
                 })?;
                 let channels = reference::descriptor(&scan);
                 Described { range_m: scan.range_m, hit: scan.hit, channels }

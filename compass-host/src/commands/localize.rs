@@ -6,7 +6,7 @@ use crate::localizer::{Localizer, MatchOptions};
 use crate::noise::disturb;
 use crate::output::{Decimal, JsonOption};
 use crate::site::read_map;
-use anyhow::{Result, anyhow, bail};
+use anyhow::{Context as _, Result, anyhow, bail};
 use compass_core::matching::{Answer, Match};
 use compass_core::similarity::{Similarity, Weights};
 use compass_core::site_map::SiteMap;
@@ -53,9 +53,9 @@ pub(super) struct Matching {
     /// Relative weights of the five channels, 0..255 each
     #[arg(long, value_name = "A,B,C,D,E", default_value = "16,16,16,16,16", value_parser = weights)]
     weights: Weights,
-    /// Score only the N candidates of the nearest transition signatures
-    #[arg(long, value_name = "N")]
-    prefilter: Option<usize>,
+    /// Leave out all but about N candidates, those of the nearest transition signatures
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    prefilter: Option<u32>,
 }
 
 #[derive(Debug, Clone, Copy, clap::ValueEnum)]
@@ -139,7 +139,7 @@ impl Localize {
         clock.stage("read_map");
         let (_, plan) = self.reading.load(plan_path)?;
         clock.stage("read_plan");
-        let mut scan = plan.scan(self.at, self.heading)?;
+        let mut scan = plan.scan(self.at, self.heading).with_context(|| plan_path.display().to_string())?;
         disturb(&mut scan, self.noise, self.seed);
         clock.stage("cast");
         let mut localizer = Localizer::new(map);
@@ -147,7 +147,8 @@ impl Localize {
         let answer = localizer.locate(&scan, &self.matching.options())?;
         clock.stage("search");
         let poses: Vec<Pose> = answer.matches().iter().map(|m| Pose::of(m, &map)).collect();
-        let Some(best) = poses.first().copied() else {
+        // A score of 0 says nothing: no candidate resembles the query, or the query has no contrast.
+        let Some(best) = poses.first().copied().filter(|best| best.score.0 > 0.0) else {
             self.json.emit(&serde_json::json!({ "candidates": [] }), "no pose found\n")?;
             return Ok(Outcome::No);
         };

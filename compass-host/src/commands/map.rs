@@ -35,6 +35,9 @@ pub(super) struct Build {
     /// The site map to write
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
+    /// Write the packed plan too, as boards read it from flash
+    #[arg(long, value_name = "FILE")]
+    plan_out: Option<PathBuf>,
     #[command(flatten)]
     json: JsonOption,
 }
@@ -86,6 +89,9 @@ impl Build {
         let name = || self.plan.path().map_or_else(String::new, |p| p.display().to_string());
         let bytes = build(&raster, &plan, &options).with_context(name)?;
         write_file(&self.out, &bytes)?;
+        if let Some(path) = &self.plan_out {
+            write_file(path, plan.as_bytes())?;
+        }
         let candidates = SiteMap::new(&bytes)?.len();
         let built =
             Built { candidates, bytes: bytes.len(), seconds: Decimal(started.elapsed().as_secs_f64()) };

@@ -14,7 +14,7 @@ use compass_core::plan::Plan;
 use compass_core::scan::Scan;
 use compass_core::similarity::{Candidate, Confidence, Query, Similarity, Weights};
 use compass_core::site_map::{SiteMap, SketchQuery};
-use compass_core::spectrum::{Complex, Correlator, MAX_POINTS, forward, inverse};
+use compass_core::spectrum::{Complex, Correlator, Extent, MAX_POINTS, forward, inverse};
 use compass_firmware::{counter::Counter, stack};
 use core::ffi::CStr;
 use core::hint::black_box;
@@ -33,7 +33,7 @@ const SAMPLES: usize = 20;
 /// Direction of the scans: no special case of the trigonometry.
 const HEADING: Turn = Turn::from_ratio(741, 3600);
 /// Places of the shortlist, and the pool of its alternatives.
-const SHORTLIST: usize = 64;
+const SHORTLIST: usize = 48;
 const POOL: usize = 4 * SHORTLIST;
 
 /// Instructions that an operation may take.
@@ -155,9 +155,13 @@ impl Bench<'_> {
                 mean.add(cost);
             }
         }
-        figure("correlation", whole.mean(), Some(CORRELATION_LIMIT));
+        figure("candidate", whole.mean(), None);
         for (name, mean) in PARTS.into_iter().zip(parts) {
-            part(name, mean.mean());
+            let limit = (name == "scores").then_some(CORRELATION_LIMIT);
+            match limit {
+                Some(_) => figure("correlation", mean.mean(), limit),
+                None => part(name, mean.mean()),
+            }
         }
     }
 
@@ -185,7 +189,8 @@ impl Bench<'_> {
             let value = values.get(channel).and_then(|v| v.get(bin)).copied().unwrap_or_default();
             BINS as i32 * i32::from(value) - sums.get(channel).copied().unwrap_or_default()
         };
-        let correlate = counter.count(|| black_box(&mut *correlator).correlate(value, correlation)).1;
+        let extent = Extent::of(other.sums().len(), value);
+        let correlate = counter.count(|| black_box(&mut *correlator).correlate(extent, value, correlation)).1;
         for (point, &value) in signal.iter_mut().zip(correlation.iter()) {
             point.re = value;
         }
