@@ -170,7 +170,7 @@ fn positions_where_nobody_can_stand() {
     // In the facade: the building begins a metre inside the image.
     for engine in ["fixed", "float"] {
         let line = format!("describe sample.png --at 1.2,1.2 --engine {engine} --figures pictures");
-        refused(&folder, &line, &["position 1.2,1.2", "inside"]);
+        refused(&folder, &line, &["sample.png", "1.2,1.2", "inside a wall"]);
     }
 }
 

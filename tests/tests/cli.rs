@@ -327,7 +327,10 @@ fn the_demo_finds_itself_and_draws_the_report() {
         let image = image::load_from_memory(&file).unwrap();
         assert!(image.width() >= 400 && image.height() >= 200, "{name}");
     }
-    assert_eq!(folder.names().iter().filter(|p| p.starts_with(folder.path("report"))).count(), 10);
+    // Whatever else is drawn is whole, and nothing temporary is left.
+    for path in folder.names().iter().filter(|p| p.parent() == Some(&folder.path("report"))) {
+        assert!(path.ends_with("report.html") || image::open(path).is_ok(), "{}", path.display());
+    }
 }
 
 #[test]

@@ -15,10 +15,10 @@ use compass_host::site::{BuildOptions, PackedPlan, build};
 use compass_tests::{angle, recordings};
 use std::path::Path;
 
-/// The paper's test position on floor_1.
+/// The paper's test position on `floor_1`.
 const PAPER_POSE: [f64; 2] = [36.952608753, 18.606614301];
 const STEP_M: f64 = 0.02;
-/// A map of floor_1 at 0.5 m stays below this.
+/// A map of `floor_1` at 0.5 m stays below this.
 const MAP_BYTES: usize = 2_000_000;
 /// Of queries off the grid at least this many are found within [`NEAR_M`] and [`NEAR_DEG`].
 const RECALL: f64 = 0.9;
