@@ -98,7 +98,7 @@ pub fn compare(raster: &PlanRaster, plan: &PackedPlan, poses: usize, seed: u64) 
     Ok(stages)
 }
 
-/// Random free positions inside the building, at least 5 cm from anything.
+/// Random free positions inside the building, in cells that hold nothing occupied.
 ///
 /// # Errors
 /// A plan without interior.

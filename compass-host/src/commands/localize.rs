@@ -33,10 +33,10 @@ pub(super) struct Localize {
     #[arg(long, value_name = "DEG", value_parser = finite, allow_hyphen_values = true)]
     heading: f64,
     /// Disturb the query: at level 1, 3 % of range noise, 5 % of hit types mistaken, two occluders
-    #[arg(long, value_name = "LEVEL", default_value_t = 0.0, value_parser = level)]
+    #[arg(long, value_name = "LEVEL", default_value_t = 0.0, value_parser = level, allow_hyphen_values = true)]
     noise: f64,
     /// Seed of the disturbance
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, allow_hyphen_values = true)]
     seed: u64,
     #[command(flatten)]
     matching: Matching,
@@ -54,7 +54,7 @@ pub(super) struct Matching {
     #[arg(long, value_name = "A,B,C,D,E", default_value = "16,16,16,16,16", value_parser = weights)]
     weights: Weights,
     /// Leave out all but about N candidates, those of the nearest transition signatures
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), allow_hyphen_values = true)]
     prefilter: Option<u32>,
 }
 
