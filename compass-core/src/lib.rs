@@ -44,3 +44,8 @@ pub mod signature;
 pub mod similarity;
 pub mod site_map;
 pub mod spectrum;
+
+/// The README's example, compiled.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

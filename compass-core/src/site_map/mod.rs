@@ -12,7 +12,7 @@
 //! | 12 | 4 | number of candidates |
 //! | 16 | 4 | cell side of the plan in nanometres |
 //! | 20 | 4 | candidate spacing in millimetres |
-//! | 24 | 8 | x of the plan's origin, [`Metres`] bits |
+//! | 24 | 8 | x of the plan's origin, bits of [`Metres`](crate::num::Metres) |
 //! | 32 | 8 | y of it |
 //! | 40 | 4 | width of the plan in cells |
 //! | 44 | 4 | height of the plan in cells |

@@ -2,7 +2,7 @@
 //!
 //! Three inputs are read: one image (dark = wall, red = glazing), a pair of images of one size
 //! (glazing = what the plan has beyond the walls), or a ROS `map_server` description (`.yaml`).
-//! How a pixel is judged is told in [`classify`]; this module checks what surrounds the pixels.
+//! How a pixel is judged is told in `classify`; this module checks what surrounds the pixels.
 
 mod classify;
 mod decode;
