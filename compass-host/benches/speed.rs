@@ -24,15 +24,7 @@ use std::path::PathBuf;
 fn plan() -> PlanRaster {
     let Some(data) = std::env::var_os("COMPASS_DATA").map(PathBuf::from) else {
         eprintln!("COMPASS_DATA is unset: measuring on the sample building");
-        let building = sample::building();
-        return PlanRaster {
-            width: building.width,
-            height: building.height,
-            walls: building.walls,
-            windows: building.windows,
-            resolution_m: sample::RESOLUTION_M,
-            origin: [0.0, 0.0],
-        };
+        return sample::building().into();
     };
     let floors = data.join("hilti/floorplans");
     let mut options = PlanOptions::new(floors.join("masks_with_windows/floor_1.png"));

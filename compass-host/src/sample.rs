@@ -10,6 +10,7 @@
 //! The tables are in metres from the outer south-west corner of the building. Masks and
 //! [`DEMO_POSE`] count from the corner of the image, [`MARGIN_M`] further out to the south-west.
 
+use crate::plan_import::PlanRaster;
 use image::{Rgb, RgbImage};
 
 /// Side of a pixel in metres.
@@ -48,6 +49,13 @@ pub struct SampleBuilding {
     pub walls: Vec<u8>,
     /// Glazing. Shares no pixel with `walls`.
     pub windows: Vec<u8>,
+}
+
+impl From<SampleBuilding> for PlanRaster {
+    fn from(building: SampleBuilding) -> Self {
+        let SampleBuilding { width, height, walls, windows } = building;
+        Self { width, height, walls, windows, resolution_m: RESOLUTION_M, origin: [0.0, 0.0] }
+    }
 }
 
 /// An interruption of a wall from one coordinate to another.

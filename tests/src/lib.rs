@@ -51,15 +51,7 @@ pub fn compass() -> &'static Path {
 pub fn sample_plan() -> &'static (PlanRaster, PackedPlan) {
     static PLAN: OnceLock<(PlanRaster, PackedPlan)> = OnceLock::new();
     PLAN.get_or_init(|| {
-        let building = sample::building();
-        let raster = PlanRaster {
-            width: building.width,
-            height: building.height,
-            walls: building.walls,
-            windows: building.windows,
-            resolution_m: sample::RESOLUTION_M,
-            origin: [0.0, 0.0],
-        };
+        let raster = PlanRaster::from(sample::building());
         let packed = PackedPlan::new(&raster).expect("sample building packs");
         (raster, packed)
     })

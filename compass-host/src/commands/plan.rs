@@ -83,15 +83,7 @@ pub(super) fn finite(text: &str) -> Result<f64, String> {
 
 /// The sample building as a plan.
 pub(super) fn sample() -> Result<(PlanRaster, PackedPlan)> {
-    let building = crate::sample::building();
-    let raster = PlanRaster {
-        width: building.width,
-        height: building.height,
-        walls: building.walls,
-        windows: building.windows,
-        resolution_m: crate::sample::RESOLUTION_M,
-        origin: [0.0, 0.0],
-    };
+    let raster = PlanRaster::from(crate::sample::building());
     let packed = PackedPlan::new(&raster)?;
     Ok((raster, packed))
 }
