@@ -47,13 +47,6 @@ impl PackedPlan {
         &self.bytes
     }
 
-    /// The checksum that the packed plan carries.
-    #[must_use]
-    pub fn checksum(&self) -> u32 {
-        let field = self.bytes.get(44..48).and_then(|b| b.try_into().ok()).unwrap_or([0; 4]);
-        u32::from_le_bytes(field)
-    }
-
     /// Casts 360 rays from a position in metres.
     ///
     /// # Errors
@@ -123,7 +116,7 @@ pub fn build(raster: &PlanRaster, plan: &PackedPlan, options: &BuildOptions) -> 
         frame: plan.view().frame(),
         spacing_mm: (spacing_m * 1000.0).round() as u32,
         plan_size: [raster.width, raster.height],
-        plan_checksum: plan.checksum(),
+        plan_checksum: plan.view().checksum(),
     };
     let mut writer = Writer::new(Bytes::default(), &header)?;
     for (cell, layer) in cells.iter().zip(&layers) {

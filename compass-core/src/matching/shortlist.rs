@@ -35,7 +35,7 @@ impl Board {
         }
     }
 
-    /// All scores of one candidate, each within 2^-14 (exact for a masked query); the query must have
+    /// All scores of one candidate, each within [`SCORE_ERROR`](crate::similarity::SCORE_ERROR) (exact for a masked query); the query must have
     /// been [loaded](Board::load).
     pub fn scores(&mut self, query: &Query, map: &SiteMap<'_>, index: usize) -> &[crate::num::Score; BINS] {
         if let Some(record) = map.get(index) {

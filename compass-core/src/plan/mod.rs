@@ -174,13 +174,19 @@ impl<'a> Plan<'a> {
         self.bytes
     }
 
+    /// The checksum that the plan carries: it names the plan in the maps made from it.
+    #[must_use]
+    pub fn checksum(&self) -> u32 {
+        let stored = self.bytes.get(CRC_AT..).and_then(<[u8]>::first_chunk);
+        stored.map_or(0, |bytes| u32::from_le_bytes(*bytes))
+    }
+
     /// Compares the checksum with the bytes (reads all of them).
     ///
     /// # Errors
     /// [`PlanError::Checksum`] when they differ.
     pub fn verify(&self) -> Result<(), PlanError> {
-        let stored = self.bytes.get(CRC_AT..).and_then(<[u8]>::first_chunk).map(|b| u32::from_le_bytes(*b));
-        if stored == Some(checksum(self.bytes)) { Ok(()) } else { Err(PlanError::Checksum) }
+        if self.checksum() == checksum(self.bytes) { Ok(()) } else { Err(PlanError::Checksum) }
     }
 
     /// Cells along x.

@@ -232,7 +232,7 @@ impl Query {
         self.best_of(candidate, near)
     }
 
-    /// All 360 scores by one correlation, each within 2^-14 of the exact one; a masked query is summed
+    /// All 360 scores by one correlation, each within [`SCORE_ERROR`](super::SCORE_ERROR) of the exact one; a masked query is summed
     /// directly and exactly.
     pub fn scores(&self, candidate: &Candidate, correlator: &mut Correlator, out: &mut [Score; BINS]) {
         if self.is_masked() {
