@@ -40,6 +40,7 @@ pub mod num;
 pub mod plan;
 pub mod raster;
 pub mod scan;
+pub mod segments;
 pub mod signature;
 pub mod similarity;
 pub mod site_map;

@@ -1,7 +1,7 @@
 //! Borrowed raster views, checked once when made.
 //!
-//! Row 0 of every mask is the **southernmost** row (y up), so that map coordinates grow with the
-//! index. Importers of image files flip the rows.
+//! Row 0 of a plan's mask is the **southernmost** row (y up), so that map coordinates grow with the
+//! index; importers of plans flip the rows. Row 0 of an image, and of a mask over one, is its top row.
 
 use core::fmt;
 
@@ -12,7 +12,7 @@ use core::fmt;
 pub enum RasterError {
     /// Width or height is zero, or above [`MAX_SIDE`].
     Size,
-    /// The slice is shorter than `height` rows of [`BitMask::row_bytes`].
+    /// The slice is shorter than the rows of the raster.
     Length,
 }
 
@@ -31,8 +31,6 @@ impl core::error::Error for RasterError {}
 pub const MAX_SIDE: u32 = 65_535;
 
 /// One bit per pixel, rows padded to whole bytes, least significant bit first.
-///
-/// Row 0 is the southernmost row.
 #[derive(Debug, Clone, Copy)]
 pub struct BitMask<'a> {
     bits: &'a [u8],
@@ -77,7 +75,7 @@ impl<'a> BitMask<'a> {
         self.height
     }
 
-    /// The pixel at column `x`, row `y` (row 0 southernmost); outside the raster it is unset.
+    /// The pixel at column `x`, row `y`; outside the raster it is unset.
     #[must_use]
     #[inline]
     pub fn get(&self, x: u32, y: u32) -> bool {
@@ -96,6 +94,63 @@ impl<'a> BitMask<'a> {
         let inside = self.width - 8 * column;
         if inside >= 8 { byte } else { byte & ((1 << inside) - 1) }
     }
+}
+
+/// An 8-bit gray image, rows without padding, row 0 at the top.
+#[derive(Debug, Clone, Copy)]
+pub struct GrayImage<'a> {
+    pixels: &'a [u8],
+    width: u32,
+    height: u32,
+}
+
+impl<'a> GrayImage<'a> {
+    /// Views `pixels` as an image of `width` x `height` pixels.
+    ///
+    /// # Errors
+    /// [`RasterError::Size`] for a side of 0 or above [`MAX_SIDE`]; [`RasterError::Length`] when the
+    /// slice is too short. A longer slice is accepted.
+    pub fn new(pixels: &'a [u8], width: u32, height: u32) -> Result<Self, RasterError> {
+        let needed = pixel_count(width, height)?;
+        let pixels = pixels.get(..needed).ok_or(RasterError::Length)?;
+        Ok(Self { pixels, width, height })
+    }
+
+    /// Pixels along x.
+    #[must_use]
+    pub const fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Pixels along y.
+    #[must_use]
+    pub const fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// Row `y`, `width` pixels; empty outside the image.
+    #[must_use]
+    #[inline]
+    pub fn row(&self, y: usize) -> &'a [u8] {
+        let width = self.width as usize;
+        if y >= self.height as usize {
+            return &[];
+        }
+        self.pixels.get(y * width..(y + 1) * width).unwrap_or(&[])
+    }
+
+    /// All pixels, row by row.
+    #[must_use]
+    pub const fn pixels(&self) -> &'a [u8] {
+        self.pixels
+    }
+}
+
+fn pixel_count(width: u32, height: u32) -> Result<usize, RasterError> {
+    if width == 0 || height == 0 || width > MAX_SIDE || height > MAX_SIDE {
+        return Err(RasterError::Size);
+    }
+    (width as usize).checked_mul(height as usize).ok_or(RasterError::Size)
 }
 
 #[cfg(test)]

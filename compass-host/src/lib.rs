@@ -4,6 +4,8 @@
 pub mod commands;
 pub mod compare;
 pub mod figures;
+pub mod frame;
+pub mod image_file;
 pub mod interior;
 pub mod localizer;
 pub mod noise;

@@ -7,6 +7,7 @@ mod localize;
 mod map;
 mod pictures;
 mod plan;
+mod segments;
 
 use clap::{Parser, Subcommand};
 
@@ -31,6 +32,8 @@ enum Command {
     Localize(localize::Localize),
     /// Compare the fixed-point core with the float reference, stage by stage
     Compare(compare::Compare),
+    /// Find the line segments of an image
+    Segments(segments::Segments),
 }
 
 /// What the work came to; its exit status is 0 or 1.
@@ -54,6 +57,7 @@ impl Cli {
             Command::Map(command) => command.run(),
             Command::Localize(command) => command.run(),
             Command::Compare(command) => command.run(),
+            Command::Segments(command) => command.run(),
         }
     }
 }

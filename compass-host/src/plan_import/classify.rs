@@ -22,7 +22,7 @@
 //! and full pixels are never changed: clean drawings keep every pixel. Cost: one pass, and 3 x 3
 //! or 5 x 5 pixels for each doubtful or faint one; gray images need neither map nor second look.
 
-use super::decode::{Pixels, Samples};
+use crate::image_file::{Pixels, Samples};
 
 /// Luma steps between the two images of a pair from which glazing is certain.
 const FAINT_STEP: u8 = 64;

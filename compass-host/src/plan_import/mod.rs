@@ -5,16 +5,15 @@
 //! How a pixel is judged is told in `classify`; this module checks what surrounds the pixels.
 
 mod classify;
-mod decode;
 mod ros_map;
 
 use std::path::{Path, PathBuf};
 
-use compass_core::raster::{BitMask, MAX_SIDE};
+use compass_core::raster::BitMask;
 use thiserror::Error;
 
+use crate::image_file::{self, ImageFileError, Pixels};
 use classify::{Ink, Masks};
-use decode::Pixels;
 
 /// Metres per pixel when neither the options nor a map description say otherwise.
 pub const DEFAULT_RESOLUTION_M: f64 = 0.01;
@@ -32,37 +31,16 @@ pub const DEFAULT_RED_EXCESS: u8 = 60;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum PlanImportError {
-    /// The file could not be opened or read.
+    /// An image could not be read or decoded.
+    #[error(transparent)]
+    Image(#[from] ImageFileError),
+    /// A map description could not be opened or read.
     #[error("{}: cannot be read: {source}", path.display())]
     Read {
         /// The file.
         path: PathBuf,
         /// What the system said.
         source: std::io::Error,
-    },
-    /// The file is no PNG, JPEG, PGM, BMP or TIFF image.
-    #[error("{}: not a PNG, JPEG, PGM, BMP or TIFF image", path.display())]
-    NotAnImage {
-        /// The file.
-        path: PathBuf,
-    },
-    /// The file starts as an image but cannot be decoded; a truncated file ends here.
-    #[error("{}: damaged or truncated image: {reason}", path.display())]
-    Damaged {
-        /// The file.
-        path: PathBuf,
-        /// What the decoder said, in one line.
-        reason: String,
-    },
-    /// A side of the image is 0 or longer than [`MAX_SIDE`].
-    #[error("{}: {width} x {height} pixels; each side must be 1 to 65535", path.display())]
-    Size {
-        /// The file.
-        path: PathBuf,
-        /// Pixels along x.
-        width: u32,
-        /// Pixels along y.
-        height: u32,
     },
     /// The two images of a pair differ in size.
     #[error("{}: {walls_width} x {walls_height} pixels, but {} has {plan_width} x {plan_height}",
@@ -184,7 +162,7 @@ impl PlanRaster {
     ///
     /// # Panics
     /// When the fields were changed to contradict each other, or [`Self::empty`] was given a side of 0
-    /// or above [`MAX_SIDE`]; never for what [`load`] returns.
+    /// or above [`MAX_SIDE`](compass_core::raster::MAX_SIDE); never for what [`load`] returns.
     #[must_use]
     pub fn walls_mask(&self) -> BitMask<'_> {
         self.mask(&self.walls)
@@ -194,7 +172,7 @@ impl PlanRaster {
     ///
     /// # Panics
     /// When the fields were changed to contradict each other, or [`Self::empty`] was given a side of 0
-    /// or above [`MAX_SIDE`]; never for what [`load`] returns.
+    /// or above [`MAX_SIDE`](compass_core::raster::MAX_SIDE); never for what [`load`] returns.
     #[must_use]
     pub fn windows_mask(&self) -> BitMask<'_> {
         self.mask(&self.windows)
@@ -271,11 +249,11 @@ pub fn load(options: &PlanOptions) -> Result<PlanRaster, PlanImportError> {
     let source = Source::of(options)?;
     check_resolution(&options.plan, source.resolution_m)?;
     check_origin(&options.plan, source.origin)?;
-    let plan = decode::read(&source.image)?;
+    let plan = image_file::read(&source.image)?;
     let masks = match &options.walls {
         None => classify::one_image(&plan, &source.ink),
         Some(path) => {
-            let walls = decode::read(path)?;
+            let walls = image_file::read(path)?;
             check_pair(&source.image, &plan, path, &walls)?;
             check_colours(path, &walls)?;
             classify::pair(&plan, &walls, &source.ink)
@@ -378,18 +356,6 @@ fn check_colours(path: &Path, pixels: &Pixels) -> Result<(), PlanImportError> {
             colour: format!("#{r:02x}{g:02x}{b:02x}"),
         }),
     }
-}
-
-/// One line of what a decoder or parser said.
-fn one_line(message: &str) -> String {
-    message.split_whitespace().collect::<Vec<_>>().join(" ")
-}
-
-fn check_size(path: &Path, width: u32, height: u32) -> Result<(), PlanImportError> {
-    if (1..=MAX_SIDE).contains(&width) && (1..=MAX_SIDE).contains(&height) {
-        return Ok(());
-    }
-    Err(PlanImportError::Size { path: path.to_path_buf(), width, height })
 }
 
 #[cfg(test)]

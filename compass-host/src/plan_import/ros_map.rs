@@ -9,7 +9,8 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-use super::{PlanImportError, one_line};
+use super::PlanImportError;
+use crate::image_file::one_line;
 
 /// Largest yaw taken for zero, in radians: a map 100 m across turns by less than 1 mm.
 const YAW_SLACK: f64 = 1e-5;

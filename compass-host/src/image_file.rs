@@ -1,12 +1,53 @@
-//! Image files to 8-bit gray or RGB over white paper.
+//! Image files to 8-bit gray or RGB; what is transparent lies over white paper.
 
 use std::io::Cursor;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use image::error::ImageError;
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 
-use super::{PlanImportError, check_size, one_line};
+use thiserror::Error;
+
+/// Longest side of an image, in pixels.
+pub const MAX_SIDE: u32 = 65_535;
+
+/// Why an image could not be read: one line, with the file at fault.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum ImageFileError {
+    /// The file could not be opened or read.
+    #[error("{}: cannot be read: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The file is no PNG, JPEG, PGM, BMP or TIFF image.
+    #[error("{}: not a PNG, JPEG, PGM, BMP or TIFF image", path.display())]
+    NotAnImage {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The file starts as an image but cannot be decoded; a truncated file ends here.
+    #[error("{}: damaged or truncated image: {reason}", path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What the decoder said, in one line.
+        reason: String,
+    },
+    /// A side of the image is 0 or longer than [`MAX_SIDE`].
+    #[error("{}: {width} x {height} pixels; each side must be 1 to 65535", path.display())]
+    Size {
+        /// The file.
+        path: PathBuf,
+        /// Pixels along x.
+        width: u32,
+        /// Pixels along y.
+        height: u32,
+    },
+}
 
 /// Memory one decoder may claim: a 16-bit RGBA plan of 20 000 x 20 000 pixels fits, a damaged
 /// header that claims the largest size does not.
@@ -14,7 +55,7 @@ const MAX_DECODED_BYTES: u64 = 4 << 30;
 
 /// The samples of a decoded image, top row first.
 #[derive(Debug)]
-pub(super) struct Pixels {
+pub struct Pixels {
     /// Pixels along x, 1..=65535.
     pub width: u32,
     /// Pixels along y, 1..=65535.
@@ -25,7 +66,7 @@ pub(super) struct Pixels {
 
 /// Gray stays gray: such an image has no red, and is judged faster.
 #[derive(Debug)]
-pub(super) enum Samples {
+pub enum Samples {
     /// One byte per pixel.
     Gray(Vec<u8>),
     /// Three bytes per pixel.
@@ -34,7 +75,8 @@ pub(super) enum Samples {
 
 impl Pixels {
     /// The colour of every pixel, when there is but one.
-    pub(super) fn only_colour(&self) -> Option<[u8; 3]> {
+    #[must_use]
+    pub fn only_colour(&self) -> Option<[u8; 3]> {
         match &self.samples {
             Samples::Gray(gray) => {
                 let first = *gray.first()?;
@@ -49,11 +91,14 @@ impl Pixels {
 }
 
 /// Decodes the image at `path`, whatever its extension says.
-pub(super) fn read(path: &Path) -> Result<Pixels, PlanImportError> {
+///
+/// # Errors
+/// [`ImageFileError`] for a file that is missing, no image, damaged, truncated or too large.
+pub fn read(path: &Path) -> Result<Pixels, ImageFileError> {
     let bytes =
-        std::fs::read(path).map_err(|source| PlanImportError::Read { path: path.to_path_buf(), source })?;
-    let not_an_image = || PlanImportError::NotAnImage { path: path.to_path_buf() };
-    let damaged = |error: ImageError| PlanImportError::Damaged {
+        std::fs::read(path).map_err(|source| ImageFileError::Read { path: path.to_path_buf(), source })?;
+    let not_an_image = || ImageFileError::NotAnImage { path: path.to_path_buf() };
+    let damaged = |error: ImageError| ImageFileError::Damaged {
         path: path.to_path_buf(),
         reason: one_line(&error.to_string()),
     };
@@ -62,7 +107,7 @@ pub(super) fn read(path: &Path) -> Result<Pixels, PlanImportError> {
         return Err(not_an_image());
     }
     if format == ImageFormat::Jpeg && !jpeg_is_complete(&bytes) {
-        return Err(PlanImportError::Damaged {
+        return Err(ImageFileError::Damaged {
             path: path.to_path_buf(),
             reason: "the JPEG data stops before its end marker".to_owned(),
         });
@@ -75,13 +120,25 @@ pub(super) fn read(path: &Path) -> Result<Pixels, PlanImportError> {
     let (width, height) = decoder.dimensions();
     check_size(path, width, height)?;
     if decoder.total_bytes() > MAX_DECODED_BYTES {
-        return Err(PlanImportError::Damaged {
+        return Err(ImageFileError::Damaged {
             path: path.to_path_buf(),
             reason: format!("its header claims {width} x {height} pixels, which need more than 4 GiB"),
         });
     }
     let image = DynamicImage::from_decoder(decoder).map_err(damaged)?;
     Ok(Pixels { width, height, samples: samples(image) })
+}
+
+fn check_size(path: &Path, width: u32, height: u32) -> Result<(), ImageFileError> {
+    if (1..=MAX_SIDE).contains(&width) && (1..=MAX_SIDE).contains(&height) {
+        return Ok(());
+    }
+    Err(ImageFileError::Size { path: path.to_path_buf(), width, height })
+}
+
+/// The lines of a message in one.
+pub(crate) fn one_line(message: &str) -> String {
+    message.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 /// Whether an end marker follows the last scan; the decoder itself fills what is missing with gray.

@@ -1,0 +1,88 @@
+//! Anchors: local maxima of the gradient across the edge, where drawing starts.
+
+use super::cell::{MAGNITUDE_SHIFT, VERTICAL, strength};
+use super::draw::Drawing;
+use super::walk::Position;
+
+/// Anchors lie on every other row and column.
+const INTERVAL: usize = 2;
+/// Columns whose anchors in one row make up a word.
+const BAND: usize = 32 * INTERVAL;
+
+/// Words that hold the anchors of an image: one bit for every other pixel of every other row.
+pub(super) const fn words(width: usize, height: usize) -> usize {
+    width.div_ceil(BAND) * (height / INTERVAL)
+}
+
+/// Finds the anchors of an image: every other pixel of every other row, if stronger by `threshold` than both
+/// of its neighbours across the edge. Returns whether there are any.
+///
+/// Words go band of columns by band, and row by row in each.
+pub(super) fn mark(cells: &[u16], width: usize, threshold: u16, anchors: &mut [u32]) -> bool {
+    let rows = cells.len() / width / INTERVAL;
+    let row_of = |y: usize| cells.get(y * width..(y + 1) * width).unwrap_or(&[]);
+    let mut any = 0;
+    for row in 0..rows {
+        let y = INTERVAL * row + 1;
+        let triple = [row_of(y - 1), row_of(y), row_of(y + 1)];
+        for (band, start) in (0..width.saturating_sub(2)).step_by(BAND).enumerate() {
+            let end = (start + BAND + 2).min(width);
+            let word = mark_band(triple.map(|r| r.get(start..end).unwrap_or(&[])), threshold);
+            any |= word;
+            if let Some(slot) = anchors.get_mut(band * rows + row) {
+                *slot = word;
+            }
+        }
+    }
+    any != 0
+}
+
+/// Tests every other cell between the first and the last of the middle row.
+fn mark_band([above, row, below]: [&[u16]; 3], threshold: u16) -> u32 {
+    let mut marked = [0_u16; BAND];
+    let n = row.len().saturating_sub(2).min(BAND);
+    if above.len() < n + 2 || row.len() < n + 2 || below.len() < n + 2 {
+        return 0;
+    }
+    let (up, down) = (&above[1..=n], &below[1..=n]);
+    let (left, here, right) = (&row[..n], &row[1..=n], &row[2..n + 2]);
+    // Cells stay below 2^15, so that differences fit.
+    let signed = |cell: u16| strength(cell) as i16;
+    let threshold = (threshold << MAGNITUDE_SHIFT).clamp(1, i16::MAX as u16) as i16;
+    for (i, (marked, bit)) in marked[..n].iter_mut().zip(&BITS).enumerate() {
+        let across = signed(left[i]).max(signed(right[i]));
+        let along = signed(up[i]).max(signed(down[i]));
+        let rival = if here[i] & VERTICAL != 0 { across } else { along };
+        *marked = if signed(here[i]) - rival >= threshold { *bit } else { 0 };
+    }
+    let (low, high) = marked.split_at(BAND / 2);
+    let gather = |half: &[u16]| u32::from(half.iter().fold(0, |word, bit| word | bit));
+    gather(low) | gather(high) << 16
+}
+
+/// What each cell of a band adds to its half word.
+const BITS: [u16; BAND] = {
+    let mut bits = [0; BAND];
+    let mut i = 0;
+    while i < BAND {
+        bits[i] = 1 << (i / INTERVAL % 16);
+        i += INTERVAL;
+    }
+    bits
+};
+
+/// Draws from all anchors, column by column.
+pub(super) fn visit(drawing: &mut Drawing<'_, '_>, anchors: &[u32]) {
+    let rows = drawing.cells.height as usize / INTERVAL;
+    for (band, words) in anchors.chunks_exact(rows.max(1)).enumerate() {
+        let any = words.iter().fold(0, |any, word| any | word);
+        for column in (0..32).filter(|c| any >> c & 1 == 1) {
+            let x = (band * BAND + INTERVAL * column + 1) as i32;
+            for (row, _) in words.iter().enumerate().filter(|(_, word)| *word >> column & 1 == 1) {
+                if !drawing.draw_from(Position { x, y: (INTERVAL * row + 1) as i32 }) {
+                    return;
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,420 @@
+//! Drawing: walks from each anchor along its edge, fits lines as it goes, and grows them both ways.
+
+use super::cell::{self, EDGE, INLIER, JUNCTION, NONE, OUTLIER, is_vertical, label, strength};
+use super::jump::{self, Jump};
+use super::line::{Line, WINDOW, Window};
+use super::walk::{Cells, Position, Walker};
+use super::{Parameters, Segment, validate};
+use heapless::Vec;
+
+/// A walk ends once more pixels than this are off the line in a row.
+const MAX_OUTLIERS: usize = 3;
+/// Continuations kept waiting; more are dropped, which the result reports.
+const MAX_BRANCHES: usize = 128;
+/// Pixels of the first branch from an anchor that the opposite one starts with.
+const BACK_SEEDS: usize = WINDOW - 1;
+/// Pixels a window slides by.
+const SLIDE: usize = 2;
+
+/// Pixels off the line, in order: at most one taken back and four new ones.
+type Outliers = Vec<Position, { MAX_OUTLIERS + 2 }>;
+
+/// A place to draw on from, looking for a new line. Positions are packed: many of these wait.
+#[derive(Debug)]
+struct Branch {
+    at: u32,
+    direction: (i8, i8),
+    /// The last pixel of the line left, and those off it.
+    seeds: Vec<u32, { MAX_OUTLIERS + 3 }, u8>,
+}
+
+/// A line while it grows. The head is the end it was found at, the tail the other one.
+#[derive(Debug)]
+pub(super) struct Growth {
+    pub(super) line: Line,
+    /// Last pixel, and the one before it.
+    pub(super) head: [Position; 2],
+    /// First pixel, and the one after it.
+    pub(super) tail: [Position; 2],
+    head_extended: bool,
+    tail_extended: bool,
+    /// Sense of the main axis from tail to head.
+    forward: i32,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum End {
+    Head,
+    Tail,
+}
+
+impl Growth {
+    fn end_mut(&mut self, end: End) -> (&mut [Position; 2], &mut bool) {
+        match end {
+            End::Head => (&mut self.head, &mut self.head_extended),
+            End::Tail => (&mut self.tail, &mut self.tail_extended),
+        }
+    }
+
+    pub(super) fn accept(&mut self, end: End, p: Position) {
+        self.line.add(p);
+        let (pixels, extended) = self.end_mut(end);
+        *pixels = [p, pixels[0]];
+        *extended = false;
+    }
+
+    /// The direction outwards along the main axis at an end.
+    pub(super) fn outwards(&self, end: End) -> (i32, i32) {
+        let sense = if end == End::Head { self.forward } else { -self.forward };
+        let (steep, slope) = (self.line.steep, self.line.slope);
+        // A line fitted near 45 degrees may have turned to the other axis since.
+        let (steep, sense) =
+            if slope.abs() > 1 << 16 { (!steep, sense * slope.signum()) } else { (steep, sense) };
+        if steep { (0, sense) } else { (sense, 0) }
+    }
+}
+
+/// How a walk along a line ended.
+struct Stop {
+    /// On a pixel drawn before.
+    hit: bool,
+    outliers: Outliers,
+    walker: Walker,
+    /// Axis of the edge at the last pixel drawn or left.
+    vertical: bool,
+}
+
+/// The pixels of one branch, in the order drawn.
+#[derive(Debug)]
+pub(super) struct Trail<'a> {
+    pixels: &'a mut [u32],
+    len: usize,
+}
+
+impl<'a> Trail<'a> {
+    pub(super) fn new(pixels: &'a mut [u32]) -> Self {
+        Self { pixels, len: 0 }
+    }
+
+    #[inline(always)]
+    pub(super) fn push(&mut self, p: Position) -> bool {
+        let Some(slot) = self.pixels.get_mut(self.len) else { return false };
+        *slot = p.packed();
+        self.len += 1;
+        true
+    }
+
+    #[inline(always)]
+    fn get(&self, i: usize) -> Position {
+        Position::unpacked(self.pixels.get(i).copied().unwrap_or(0))
+    }
+
+    pub(super) fn iter(&self) -> impl DoubleEndedIterator<Item = Position> + '_ {
+        self.pixels.get(..self.len).unwrap_or(&[]).iter().map(|p| Position::unpacked(*p))
+    }
+
+    /// Forgets all but the last `keep` pixels.
+    fn keep_last(&mut self, keep: usize) {
+        let start = self.len.saturating_sub(keep);
+        self.pixels.copy_within(start..self.len, 0);
+        self.len -= start;
+    }
+}
+
+/// Everything that drawing needs.
+#[derive(Debug)]
+pub(super) struct Drawing<'a, 'out> {
+    pub(super) cells: Cells<'a>,
+    pub(super) smoothed: &'a [u8],
+    pub(super) trail: Trail<'a>,
+    pub(super) found: &'out mut [Segment],
+    pub(super) count: usize,
+    pub(super) truncated: bool,
+    /// Steps left: bounds the work whatever the image.
+    pub(super) steps_left: u32,
+    pub(super) parameters: Parameters,
+    anchor: Position,
+    branches: Vec<Branch, MAX_BRANCHES>,
+}
+
+impl<'a, 'out> Drawing<'a, 'out> {
+    pub(super) fn new(
+        cells: Cells<'a>,
+        smoothed: &'a [u8],
+        trail: &'a mut [u32],
+        found: &'out mut [Segment],
+        parameters: Parameters,
+    ) -> Self {
+        let steps_left = (cells.cells.len() as u32).saturating_mul(16);
+        Self {
+            cells,
+            smoothed,
+            trail: Trail::new(trail),
+            found,
+            count: 0,
+            truncated: false,
+            steps_left,
+            parameters,
+            anchor: Position::default(),
+            branches: Vec::new(),
+        }
+    }
+
+    /// Draws from a pixel, if nothing has been drawn over it; false once there is no room for more.
+    pub(super) fn draw_from(&mut self, p: Position) -> bool {
+        let cell = self.cells.get(p);
+        if label(cell) == NONE {
+            self.both_ways(p, is_vertical(cell));
+            self.truncated |= self.steps_left == 0 || self.count == self.found.len();
+        }
+        self.steps_left > 0 && self.count < self.found.len()
+    }
+
+    fn both_ways(&mut self, anchor: Position, vertical: bool) {
+        self.anchor = anchor;
+        self.cells.label(anchor, OUTLIER);
+        let (dx, dy) = if vertical { (0, 1) } else { (1, 0) };
+        self.trail.len = 0;
+        self.trail.push(anchor);
+        let first = self.tree(Walker { at: anchor, dx, dy });
+        self.trail.len = 0;
+        if label(self.cells.get(anchor)) != INLIER {
+            for p in first.into_iter().rev().map(Position::unpacked) {
+                if label(self.cells.get(p)) >= INLIER {
+                    break;
+                }
+                self.trail.push(p);
+            }
+        }
+        self.tree(Walker { at: anchor, dx: -dx, dy: -dy });
+    }
+
+    /// Draws a branch, its seeds on the trail, and all that continue it; returns the first pixels of the first.
+    fn tree(&mut self, root: Walker) -> Vec<u32, BACK_SEEDS> {
+        self.branch(root);
+        let first = self.trail.iter().take(BACK_SEEDS).map(Position::packed).collect();
+        while let Some(branch) = self.branches.pop() {
+            self.trail.len = 0;
+            for seed in &branch.seeds {
+                self.trail.push(Position::unpacked(*seed));
+            }
+            let (dx, dy) = branch.direction;
+            self.branch(Walker { at: Position::unpacked(branch.at), dx: i32::from(dx), dy: i32::from(dy) });
+        }
+        first
+    }
+
+    fn branch(&mut self, mut walker: Walker) {
+        if let Some(growth) = self.search(&mut walker) {
+            self.grow(growth, walker);
+        }
+    }
+
+    /// Walks until the last pixels lie on a line.
+    fn search(&mut self, walker: &mut Walker) -> Option<Growth> {
+        let mut window = Window::default();
+        let mut start = 0;
+        self.trail.iter().for_each(|p| window.add(p));
+        let mut vertical = walker.dy != 0;
+        // Seeds never fill a window, so the first test comes after at least one step.
+        while self.steps_left > 0 {
+            self.steps_left -= 1;
+            let cell = walker.advance(&self.cells, vertical);
+            if strength(cell) == 0 || label(cell) >= EDGE {
+                return None;
+            }
+            vertical = is_vertical(cell);
+            if self.trail.len == self.trail.pixels.len() {
+                self.trail.keep_last(WINDOW);
+                start = self.trail.len.saturating_sub(self.trail.len.min(WINDOW));
+                window = Window::default();
+                self.trail.iter().for_each(|p| window.add(p));
+            }
+            self.trail.push(walker.at);
+            self.cells.label(walker.at, EDGE);
+            window.add(walker.at);
+            if self.trail.len - start == WINDOW {
+                let (first, last) = (self.trail.get(start), walker.at);
+                let steep = (last.x - first.x).abs() < (last.y - first.y).abs();
+                if window.is_line(steep) {
+                    return Some(self.found_line(start, steep));
+                }
+                for i in start..start + SLIDE {
+                    window.remove(self.trail.get(i));
+                }
+                start += SLIDE;
+            }
+        }
+        None
+    }
+
+    /// Begins a line at the window that starts at `start`.
+    fn found_line(&mut self, start: usize, steep: bool) -> Growth {
+        self.trail.keep_last(self.trail.len - start);
+        let last = self.trail.len - 1;
+        let line = Line::through(self.trail.iter(), self.trail.get(0), steep);
+        for i in 0..=last {
+            let p = self.trail.get(i);
+            self.cells.label(p, INLIER);
+        }
+        let (first, end) = (self.trail.get(0), self.trail.get(last));
+        let forward = if steep { (end.y - first.y).signum() } else { (end.x - first.x).signum() };
+        Growth {
+            line,
+            head: [end, self.trail.get(last - 1)],
+            tail: [first, self.trail.get(1)],
+            head_extended: false,
+            tail_extended: false,
+            forward,
+        }
+    }
+
+    /// Grows a line at both ends as far as it goes, then emits it.
+    fn grow(&mut self, mut growth: Growth, walker: Walker) {
+        let mut end = End::Head;
+        let mut tail_grown = false;
+        let mut start = (walker, is_vertical(self.cells.get(walker.at)));
+        loop {
+            let mut stop = self.follow(&mut growth, end, start);
+            if !stop.outliers.is_empty() && (end == End::Head || tail_grown) {
+                self.take_back(&mut growth, end, &mut stop.outliers);
+            }
+            tail_grown |= end == End::Tail;
+            let many = stop.outliers.len() > MAX_OUTLIERS;
+            if many {
+                self.continue_later(&stop);
+            }
+            growth.line.fit();
+            if (many || stop.hit) && !growth.head_extended {
+                if let Some(jump) = self.jump(&growth, End::Head) {
+                    start = self.cross(&mut growth, End::Head, &jump);
+                    end = End::Head;
+                    continue;
+                }
+            }
+            growth.head_extended = true;
+            end = End::Tail;
+            if growth.tail_extended || self.steps_left == 0 {
+                break;
+            }
+            if growth.tail[0] == self.anchor {
+                growth.tail_extended = true;
+                let (dx, dy) = growth.outwards(End::Tail);
+                start = (Walker { at: self.anchor, dx, dy }, dy != 0);
+            } else if let Some(jump) = self.jump(&growth, End::Tail) {
+                start = self.cross(&mut growth, End::Tail, &jump);
+            } else {
+                break;
+            }
+        }
+        self.emit(&growth);
+    }
+
+    /// Walks on along a line until it ends.
+    fn follow(&mut self, growth: &mut Growth, end: End, (mut walker, axis): (Walker, bool)) -> Stop {
+        let mut outliers = Outliers::new();
+        let mut hit = false;
+        let mut vertical = axis;
+        while outliers.len() <= MAX_OUTLIERS && self.steps_left > 0 {
+            self.steps_left -= 1;
+            let cell = walker.advance(&self.cells, vertical);
+            if strength(cell) == 0 {
+                break;
+            }
+            if label(cell) >= EDGE {
+                hit = true;
+                break;
+            }
+            vertical = is_vertical(cell);
+            let p = walker.at;
+            if growth.line.takes(p) {
+                growth.accept(end, p);
+                self.cells.label(p, INLIER);
+                outliers.clear();
+                if !self.trail.push(p) {
+                    self.truncated = true;
+                    break;
+                }
+            } else {
+                self.cells.label(p, OUTLIER);
+                let _ = outliers.push(p);
+            }
+        }
+        Stop { hit, outliers, walker, vertical }
+    }
+
+    /// Takes the last inlier back: it began to leave the line.
+    fn take_back(&mut self, growth: &mut Growth, end: End, outliers: &mut Outliers) {
+        let anchor = self.anchor;
+        let (pixels, _) = growth.end_mut(end);
+        let [last, before] = *pixels;
+        *pixels = [before, before];
+        growth.line.remove(last);
+        self.cells.label(last, NONE);
+        self.trail.len = self.trail.len.saturating_sub(1);
+        let _ = outliers.insert(0, last);
+        if end == End::Tail && before == anchor {
+            growth.tail_extended = true;
+        }
+    }
+
+    /// Frees the pixels off the line; a new line is looked for through them once this one is done.
+    fn continue_later(&mut self, stop: &Stop) {
+        let mut seeds: Vec<_, _, u8> = self.trail.iter().last().map(Position::packed).into_iter().collect();
+        for p in &stop.outliers {
+            self.cells.label(*p, NONE);
+            let _ = seeds.push(p.packed());
+        }
+        let at = stop.walker.at.packed();
+        let direction = stop.walker.onward(stop.vertical);
+        self.truncated |= self.branches.push(Branch { at, direction, seeds }).is_err();
+    }
+
+    fn jump(&self, growth: &Growth, end: End) -> Option<Jump> {
+        if !self.parameters.jump {
+            return None;
+        }
+        jump::find(&self.cells, self.smoothed, growth, end)
+    }
+
+    /// Adds the pixels of a jump to the line; returns the walker on the far side and the
+    /// axis of its first step.
+    fn cross(&mut self, growth: &mut Growth, end: End, jump: &Jump) -> (Walker, bool) {
+        let half = jump.pixels.len() / 2;
+        for (i, p) in jump.pixels.iter().enumerate() {
+            if growth.line.takes(*p) {
+                growth.accept(end, *p);
+                self.cells.label(*p, if i < half { JUNCTION } else { INLIER });
+                self.truncated |= !self.trail.push(*p);
+            } else {
+                self.cells.label(*p, OUTLIER);
+            }
+        }
+        let (_, extended) = growth.end_mut(end);
+        *extended = true;
+        let (dx, dy) = growth.outwards(end);
+        (Walker { at: jump.pixels.last().copied().unwrap_or_default(), dx, dy }, dy != 0)
+    }
+
+    fn emit(&mut self, growth: &Growth) {
+        let score = if self.parameters.validate {
+            match validate::score(&self.cells, self.smoothed, growth, &self.trail) {
+                Some(score) => score,
+                None => return,
+            }
+        } else {
+            growth.line.len().min(usize::from(u16::MAX)) as u16
+        };
+        let ([x1, y1], [x2, y2]) = (growth.line.foot(growth.tail[0]), growth.line.foot(growth.head[0]));
+        match self.found.get_mut(self.count) {
+            Some(slot) => {
+                *slot = Segment { x1, y1, x2, y2, score };
+                self.count += 1;
+            }
+            None => self.truncated = true,
+        }
+    }
+}
+
+const _: () =
+    assert!(cell::JUNCTION > cell::INLIER && cell::INLIER > cell::EDGE && cell::EDGE > cell::OUTLIER);

@@ -1,0 +1,116 @@
+//! Camera frames: an image file as the gray and colour rasters that the core looks at.
+
+use crate::image_file::{self, ImageFileError, Samples};
+use compass_core::raster::GrayImage;
+use compass_core::segments::{self, Detected, Parameters, Segment, SegmentsError, Workspace};
+use std::path::Path;
+
+/// A decoded frame, top row first.
+#[derive(Debug, Clone)]
+pub struct Frame {
+    width: u32,
+    height: u32,
+    gray: Vec<u8>,
+    /// Three bytes a pixel; `None` for an image without colour.
+    rgb: Option<Vec<u8>>,
+}
+
+impl Frame {
+    /// Reads an image file: PNG, JPEG, PGM, BMP or TIFF, gray or colour, 8 or 16 bits, with or without alpha.
+    ///
+    /// # Errors
+    /// [`ImageFileError`] for a file that is missing, no image, damaged, truncated or too large.
+    pub fn read(path: &Path) -> Result<Self, ImageFileError> {
+        let image_file::Pixels { width, height, samples } = image_file::read(path)?;
+        Ok(match samples {
+            Samples::Gray(gray) => Self { width, height, gray, rgb: None },
+            Samples::Rgb(rgb) => Self { width, height, gray: to_gray(&rgb), rgb: Some(rgb) },
+        })
+    }
+
+    /// Pixels along x.
+    #[must_use]
+    pub const fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Pixels along y.
+    #[must_use]
+    pub const fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// The frame in gray.
+    ///
+    /// # Panics
+    /// Never: both sides were checked when the frame was made.
+    #[must_use]
+    pub fn gray(&self) -> GrayImage<'_> {
+        GrayImage::new(&self.gray, self.width, self.height).expect("sides were checked")
+    }
+
+    /// Interleaved RGB, if the frame has colour.
+    #[must_use]
+    pub fn rgb(&self) -> Option<&[u8]> {
+        self.rgb.as_deref()
+    }
+}
+
+/// ITU-R BT.601 luma in 1/256, rounded.
+fn to_gray(rgb: &[u8]) -> Vec<u8> {
+    let luma =
+        |[r, g, b]: &[u8; 3]| (77 * u32::from(*r) + 150 * u32::from(*g) + 29 * u32::from(*b) + 128) >> 8;
+    rgb.as_chunks::<3>().0.iter().map(|pixel| luma(pixel) as u8).collect()
+}
+
+/// Most segments kept of a frame.
+pub const MAX_SEGMENTS: usize = 8192;
+
+/// A segment detector with its buffers, made once for frames of one size and used again.
+#[derive(Debug)]
+pub struct SegmentDetector {
+    cells: Vec<u16>,
+    smoothed: Vec<u8>,
+    trail: Vec<u32>,
+    found: Vec<Segment>,
+}
+
+impl SegmentDetector {
+    /// Buffers for images of `width` x `height` pixels.
+    #[must_use]
+    pub fn new(width: u32, height: u32) -> Self {
+        let pixels = segments::pixels(width, height);
+        Self {
+            cells: vec![0; pixels],
+            smoothed: vec![0; pixels],
+            trail: vec![0; segments::trail_len(width, height)],
+            found: vec![Segment::default(); MAX_SEGMENTS],
+        }
+    }
+
+    /// Finds the segments of an image. Nothing is allocated.
+    ///
+    /// # Errors
+    /// As [`segments::detect`]: an image above its size, or larger than the buffers are made for.
+    pub fn detect(
+        &mut self,
+        image: &GrayImage<'_>,
+        mask: Option<&compass_core::raster::BitMask<'_>>,
+        parameters: &Parameters,
+    ) -> Result<(&[Segment], Detected), SegmentsError> {
+        let Self { cells, smoothed, trail, found } = self;
+        let detected =
+            segments::detect(image, mask, parameters, &mut Workspace { cells, smoothed, trail }, found)?;
+        Ok((&self.found[..detected.count], detected))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn gray_levels_keep_black_and_white() {
+        assert_eq!(to_gray(&[0, 0, 0, 255, 255, 255, 255, 0, 0]), [0, 255, 77]);
+    }
+}
