@@ -4,6 +4,7 @@
 
 pub mod descriptor;
 pub mod march;
+pub mod segments;
 pub mod similarity;
 
 pub use descriptor::descriptor;
