@@ -381,7 +381,7 @@ fn check_colours(path: &Path, pixels: &Pixels) -> Result<(), PlanImportError> {
 }
 
 /// One line of what a decoder or parser said.
-fn one_line(message: &str) -> String {
+pub(crate) fn one_line(message: &str) -> String {
     message.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
