@@ -2,8 +2,8 @@
 //!
 //! `compass-core` turns an architect's floor plan into compact descriptors and finds, among the
 //! descriptors of a whole building, the position and heading that explain what a robot sees. It
-//! allocates nothing, uses no floating point, contains no `unsafe`, and gives the same bits on
-//! every target.
+//! allocates nothing, uses no floating point outside [`camera`], contains no `unsafe`, and gives the
+//! same bits on every target; the `f32` of the cameras come from `libm` alone.
 //!
 //! Modules in reading order, each knowing only those before it:
 //!
@@ -19,6 +19,7 @@
 //! | [`signature`] | the rotation-invariant transition signature |
 //! | [`site_map`] | the map of candidate positions as bytes |
 //! | [`matching`] | search over candidates and headings |
+//! | [`camera`] | fisheye models, bearing to pixel and back; needs none of the others |
 //!
 //! Memory is lent by the caller throughout; "nothing found" is `None`; errors are small `Copy` enums.
 //!
@@ -31,6 +32,7 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod camera;
 pub mod descriptor;
 #[cfg(feature = "draw")]
 pub mod draw;

@@ -1,6 +1,8 @@
-//! The fixed-point core against the float reference, stage by stage.
+//! The core against the float reference, stage by stage.
 //!
 //! The bounds are the core's own, stated beside each stage's type.
+
+pub mod camera;
 
 use crate::plan_import::PlanRaster;
 use crate::reference;

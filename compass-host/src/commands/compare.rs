@@ -1,12 +1,15 @@
-//! `compass compare`: the fixed-point core against the float reference.
+//! `compass compare`: the core against the float reference.
 
 use super::Outcome;
 use super::plan::{PlanArgs, sample};
-use crate::compare::{Stage, compare};
+use crate::calibration::{CalibratedCamera, Calibration};
+use crate::compare::{Stage, camera, compare};
 use crate::output::{Decimal, JsonOption};
 use anyhow::{Context as _, Result};
+use compass_core::camera::Camera;
 use serde::Serialize;
 use std::fmt::Write as _;
+use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Compare {
@@ -19,6 +22,9 @@ pub(super) struct Compare {
     /// Seed of the poses
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
+    /// Kalibr camera chain whose lenses are compared; without, an invented one of each model
+    #[arg(long, value_name = "FILE")]
+    calib: Option<PathBuf>,
     #[command(flatten)]
     json: JsonOption,
 }
@@ -55,10 +61,19 @@ impl From<&Stage> for Row {
 }
 
 impl Compare {
+    fn lenses(&self) -> Result<Vec<Camera>> {
+        let Some(path) = &self.calib else { return Ok(camera::nominal()) };
+        let calibration = Calibration::load(path)?;
+        let lens = |camera: &CalibratedCamera| camera.core(camera.resolution).map_err(Into::into);
+        calibration.cameras.iter().flatten().map(lens).collect()
+    }
+
     pub(super) fn run(&self) -> Result<Outcome> {
         let (raster, plan) = if self.plan.path().is_some() { self.plan.load()? } else { sample()? };
         let name = || self.plan.path().map_or_else(|| "sample building".into(), |p| p.display().to_string());
-        let stages = compare(&raster, &plan, self.poses as usize, self.seed).with_context(name)?;
+        let lenses = self.lenses()?;
+        let mut stages = compare(&raster, &plan, self.poses as usize, self.seed).with_context(name)?;
+        stages.extend(camera::stages(&lenses));
         let in_bounds = stages.iter().all(|s| s.in_bounds);
         let mut summary = String::new();
         let _ = writeln!(summary, "{:<48} {:>12} {:>12} {:>12}  unit", "stage", "worst", "typical", "bound");

@@ -1,0 +1,31 @@
+//! The paper's lens: the distance from the principal point is the angle times the focal length.
+
+use super::{Bearing, CameraError, Intrinsics, Pixel, Polar, WIDEST_ANGLE};
+
+/// Equidistant fisheye: radius = f theta.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Equidistant {
+    pub(super) intrinsics: Intrinsics,
+}
+
+impl Equidistant {
+    /// The lens of these focal lengths, in pixels per radian.
+    ///
+    /// # Errors
+    /// [`CameraError::NotFinite`], [`CameraError::Focal`].
+    pub fn new(intrinsics: Intrinsics) -> Result<Self, CameraError> {
+        Ok(Self { intrinsics: intrinsics.checked()? })
+    }
+
+    pub(super) fn project(&self, bearing: &Bearing) -> Option<Pixel> {
+        let polar = Polar::new(bearing)?;
+        let theta = polar.theta_within(WIDEST_ANGLE)?;
+        self.intrinsics.pixel(theta * polar.direction[0], theta * polar.direction[1])
+    }
+
+    pub(super) fn unproject(&self, pixel: Pixel) -> Option<Bearing> {
+        let plane = self.intrinsics.plane(pixel);
+        Some(plane.bearing(plane.radius_within(WIDEST_ANGLE)?))
+    }
+}

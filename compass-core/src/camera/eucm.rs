@@ -1,0 +1,99 @@
+//! The enhanced unified camera model.
+//!
+//! B. Khomutenko, G. Garcia and P. Martinet, "An Enhanced Unified Camera Model", RA-L 2016. With
+//! d = sqrt(beta (x^2 + y^2) + z^2), a bearing falls on (x, y) / (alpha d + (1 - alpha) z). No
+//! trigonometry either way.
+
+use super::{
+    Bearing, CameraError, Intrinsics, NARROWEST_ANGLE, Pixel, RIM, WIDEST_ANGLE, WIDEST_RADIUS, finite,
+    unlimited,
+};
+
+/// Enhanced unified camera model; alpha 0 is the pinhole.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Eucm {
+    pub(super) intrinsics: Intrinsics,
+    alpha: f32,
+    beta: f32,
+    /// A bearing is seen while z > -`behind` d.
+    behind: f32,
+    max_radius: f32,
+    pub(super) max_angle: f32,
+}
+
+impl Eucm {
+    /// The lens with `alpha` from 0 to 1 and `beta` above 0.
+    ///
+    /// # Errors
+    /// [`CameraError::NotFinite`], [`CameraError::Focal`], [`CameraError::Alpha`], [`CameraError::Beta`];
+    /// [`CameraError::Field`] for a beta so large that the image of the field is a point.
+    pub fn new(intrinsics: Intrinsics, alpha: f32, beta: f32) -> Result<Self, CameraError> {
+        let intrinsics = intrinsics.checked()?;
+        finite(&[alpha, beta])?;
+        if !(0.0..=1.0).contains(&alpha) {
+            return Err(CameraError::Alpha);
+        }
+        if beta <= 0.0 {
+            return Err(CameraError::Beta);
+        }
+        // Up to one half the radius goes to infinity where the denominator vanishes; above, it comes
+        // to a maximum, and then shrinks: two bearings would share a pixel.
+        let (behind, max_radius) = if alpha > 0.5 {
+            ((1.0 - alpha) / alpha, 1.0 / libm::sqrtf(beta * (2.0 * alpha - 1.0)))
+        } else {
+            (alpha / (1.0 - alpha), WIDEST_RADIUS)
+        };
+        let max_radius = max_radius.min(WIDEST_RADIUS);
+        let mut lens = Self { intrinsics, alpha, beta, behind, max_radius, max_angle: 0.0 };
+        lens.max_angle = libm::atan2f(max_radius, lens.depth(max_radius)).min(WIDEST_ANGLE);
+        // A large beta draws the whole field together into a point.
+        let wide = lens.max_angle >= NARROWEST_ANGLE && max_radius >= NARROWEST_ANGLE;
+        if wide { Ok(lens) } else { Err(CameraError::Field) }
+    }
+
+    /// Share of the sphere in the model, 0 to 1.
+    #[must_use]
+    pub const fn alpha(&self) -> f32 {
+        self.alpha
+    }
+
+    /// Squared ratio of the ellipsoid's axes, above 0.
+    #[must_use]
+    pub const fn beta(&self) -> f32 {
+        self.beta
+    }
+
+    pub(super) fn project(&self, bearing: &Bearing) -> Option<Pixel> {
+        let b = unlimited(bearing)?;
+        let rho2 = b.x * b.x + b.y * b.y;
+        let d = libm::sqrtf(self.beta * rho2 + b.z * b.z);
+        let denominator = self.alpha * d + (1.0 - self.alpha) * b.z;
+        let radius = libm::sqrtf(rho2) / denominator;
+        let seen =
+            b.z >= -(self.behind + RIM) * d && denominator > 0.0 && radius <= self.max_radius * (1.0 + RIM);
+        if seen { self.intrinsics.pixel(b.x / denominator, b.y / denominator) } else { None }
+    }
+
+    pub(super) fn unproject(&self, pixel: Pixel) -> Option<Bearing> {
+        let plane = self.intrinsics.plane(pixel);
+        let z = self.depth(plane.radius_within(self.max_radius)?);
+        let length = libm::sqrtf(plane.radius * plane.radius + z * z);
+        Some(Bearing::new(plane.x / length, plane.y / length, z / length))
+    }
+
+    /// z of the bearing with x^2 + y^2 = radius^2, for a radius within the field.
+    fn depth(&self, radius: f32) -> f32 {
+        let r2 = self.beta * (radius * radius);
+        // On the rim rounding may take this below 0.
+        let over = 2.0 * self.alpha - 1.0;
+        let root = self.alpha * libm::sqrtf((1.0 - over * r2).max(0.0));
+        // The paper's form is 0 / 0 on the rim of alpha 1; multiplied by root - (1 - alpha) it is 0 / 0
+        // for alpha 1/2 instead.
+        if self.alpha > 0.75 {
+            (root - (1.0 - self.alpha)) / over
+        } else {
+            (1.0 - self.alpha * self.alpha * r2) / (root + (1.0 - self.alpha))
+        }
+    }
+}

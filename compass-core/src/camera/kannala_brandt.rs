@@ -1,0 +1,121 @@
+//! Kannala and Brandt's polynomial lens.
+//!
+//! J. Kannala and S. Brandt, "A Generic Camera Model and Calibration Method for Conventional,
+//! Wide-Angle, and Fish-Eye Lenses", PAMI 2006, in the form of `OpenCV`'s fisheye model and Kalibr's
+//! "equidistant" distortion: the linear coefficient is 1, and k1 belongs to the cube.
+
+use super::{
+    Bearing, CameraError, Intrinsics, NARROWEST_ANGLE, Pixel, Polar, WIDEST_ANGLE, WIDEST_RADIUS, finite,
+};
+
+/// Steps in which the end of the field is looked for.
+const FIELD_STEPS: u16 = 1024;
+
+/// Halvings that narrow one of those steps down to neighbouring `f32`.
+const FIELD_HALVINGS: u8 = 24;
+
+/// Steps of the inverse at most; three to five are usual, the rim takes most.
+const INVERSE_STEPS: u8 = 40;
+
+/// Polynomial fisheye: radius = f (theta + k1 theta^3 + k2 theta^5 + k3 theta^7 + k4 theta^9).
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct KannalaBrandt {
+    pub(super) intrinsics: Intrinsics,
+    coefficients: [f32; 4],
+    pub(super) max_angle: f32,
+    max_radius: f32,
+}
+
+impl KannalaBrandt {
+    /// The lens with coefficients k1 to k4, which multiply theta^3, theta^5, theta^7 and theta^9.
+    ///
+    /// # Errors
+    /// [`CameraError::NotFinite`], [`CameraError::Focal`], [`CameraError::Field`].
+    pub fn new(intrinsics: Intrinsics, coefficients: [f32; 4]) -> Result<Self, CameraError> {
+        finite(&coefficients)?;
+        let mut lens =
+            Self { intrinsics: intrinsics.checked()?, coefficients, max_angle: 0.0, max_radius: 0.0 };
+        lens.max_angle = lens.field();
+        lens.max_radius = lens.radius(lens.max_angle);
+        // Written so that NaN is refused as well.
+        if lens.max_angle >= NARROWEST_ANGLE { Ok(lens) } else { Err(CameraError::Field) }
+    }
+
+    /// The coefficients k1 to k4.
+    #[must_use]
+    pub const fn coefficients(&self) -> [f32; 4] {
+        self.coefficients
+    }
+
+    pub(super) fn project(&self, bearing: &Bearing) -> Option<Pixel> {
+        let polar = Polar::new(bearing)?;
+        let radius = self.radius(polar.theta_within(self.max_angle)?);
+        self.intrinsics.pixel(radius * polar.direction[0], radius * polar.direction[1])
+    }
+
+    pub(super) fn unproject(&self, pixel: Pixel) -> Option<Bearing> {
+        let plane = self.intrinsics.plane(pixel);
+        Some(plane.bearing(self.angle(plane.radius_within(self.max_radius)?)))
+    }
+
+    /// Radius in focal lengths at an angle.
+    fn radius(&self, theta: f32) -> f32 {
+        let [k1, k2, k3, k4] = self.coefficients;
+        let t2 = theta * theta;
+        theta + theta * (t2 * (k1 + t2 * (k2 + t2 * (k3 + t2 * k4))))
+    }
+
+    /// Focal lengths per radian at an angle.
+    fn slope(&self, theta: f32) -> f32 {
+        let [k1, k2, k3, k4] = self.coefficients;
+        let t2 = theta * theta;
+        1.0 + t2 * (3.0 * k1 + t2 * (5.0 * k2 + t2 * (7.0 * k3 + t2 * (9.0 * k4))))
+    }
+
+    /// The angle up to which the radius grows and stays within bounds.
+    fn field(&self) -> f32 {
+        let good = |theta: f32| self.slope(theta) > 0.0 && self.radius(theta) <= WIDEST_RADIUS;
+        let at = |step: u16| WIDEST_ANGLE * (f32::from(step) / f32::from(FIELD_STEPS));
+        let Some(first_bad) = (1..=FIELD_STEPS).find(|&step| !good(at(step))) else {
+            return WIDEST_ANGLE;
+        };
+        let (mut low, mut high) = (at(first_bad - 1), at(first_bad));
+        for _ in 0..FIELD_HALVINGS {
+            let middle = 0.5 * (low + high);
+            if good(middle) {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        low
+    }
+
+    /// The angle at a radius within the field: Newton's steps while each is less than half the last,
+    /// else halving of the bracket.
+    fn angle(&self, radius: f32) -> f32 {
+        let (mut low, mut high) = (0.0, self.max_angle);
+        let mut theta = radius.min(high);
+        let mut moved = high;
+        for _ in 0..INVERSE_STEPS {
+            let excess = self.radius(theta) - radius;
+            if excess > 0.0 {
+                high = theta;
+            } else {
+                low = theta;
+            }
+            // Towards the rim the slope may vanish, and the step be infinite or not a number.
+            let step = -excess / self.slope(theta);
+            let newton = theta + step;
+            let good = step.abs() < 0.5 * moved && newton >= low && newton <= high;
+            let next = if good { newton } else { 0.5 * (low + high) };
+            moved = (next - theta).abs();
+            theta = next;
+            if moved <= f32::EPSILON * theta {
+                break;
+            }
+        }
+        theta
+    }
+}

@@ -1,0 +1,300 @@
+//! Fisheye cameras: bearings to pixels and back, and the rig of two of them.
+//!
+//! | model | radius in focal lengths at the angle theta from the axis | source |
+//! |---|---|---|
+//! | [`KannalaBrandt`] | `theta + k1 theta^3 + k2 theta^5 + k3 theta^7 + k4 theta^9` | Kannala and Brandt 2006, as in `OpenCV` and Kalibr |
+//! | [`Eucm`] | `sin / (alpha sqrt(beta sin^2 + cos^2) + (1 - alpha) cos)` | Khomutenko, Garcia and Martinet 2016 |
+//! | [`Equidistant`] | `theta` | the paper |
+//!
+//! Axes are `OpenCV`'s: x right, y down, z forward along the optical axis; the centre of the top left
+//! pixel is (0, 0). Angles may exceed 90 degrees: a bearing with negative z is as good as any other.
+//!
+//! # Field
+//! Each model holds up to an angle, [`Camera::max_angle`], which is the least of: where the radius
+//! stops growing with the angle; where it reaches [`WIDEST_RADIUS`]; and [`WIDEST_ANGLE`]. Beyond it
+//! [`Camera::project`] and [`Camera::unproject`] answer `None`. The field belongs to the formula: what
+//! the glass and the sensor really see is less, and is for a mask to say.
+//!
+//! # Numbers
+//! This is the only module with floating point. It is `f32` through `libm` alone, without fused
+//! operations: the same bits on every target. Accuracy is stated by [`ROUND_TRIP_PX`],
+//! [`PROJECTION_ERROR_PX`] and [`BEARING_ERROR`].
+
+mod equidistant;
+mod eucm;
+mod kannala_brandt;
+mod rig;
+
+pub use equidistant::Equidistant;
+pub use eucm::Eucm;
+pub use kannala_brandt::KannalaBrandt;
+pub use rig::{Rig, View};
+
+use core::fmt;
+
+/// A direction of length 1: x right, y down, z forward.
+pub type Bearing = nalgebra::Vector3<f32>;
+
+/// Largest distance, in pixels, between a pixel in the field and the projection of its bearing.
+///
+/// It holds, as the other bounds do, for focal lengths up to 2000 pixels and pixels up to 4096.
+pub const ROUND_TRIP_PX: f32 = 0.03;
+
+/// Largest distance, in pixels, of a projection to the exact one.
+pub const PROJECTION_ERROR_PX: f32 = 0.02;
+
+/// Largest angle, in radians, of a pixel's bearing to the exact one, up to 98 % of the
+/// [largest angle](Camera::max_angle).
+///
+/// Closer to the rim the radius may hardly grow with the angle; no `f32` radius tells the angle there,
+/// and what remains true is the round trip.
+pub const BEARING_ERROR: f32 = 2e-5;
+
+/// No field reaches further than this angle from the axis, in radians (179.8 degrees): straight
+/// behind, the image of one bearing would be a whole circle.
+pub const WIDEST_ANGLE: f32 = core::f32::consts::PI - 0.004;
+
+/// No field reaches further than this many focal lengths from the principal point: a pinhole sees
+/// 76 degrees from its axis there.
+pub const WIDEST_RADIUS: f32 = 4.0;
+
+/// A field narrower than this, in radians (6 degrees), is a mistake in the coefficients.
+pub const NARROWEST_ANGLE: f32 = 0.1;
+
+/// Share by which rounding may carry a point over the rim of the field; it is then taken as on the rim.
+const RIM: f32 = 2e-6;
+
+/// A position in an image; the centre of the top left pixel is (0, 0).
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Pixel {
+    /// Pixels to the right.
+    pub x: f32,
+    /// Pixels down.
+    pub y: f32,
+}
+
+/// Focal lengths and principal point, in pixels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Intrinsics {
+    /// Focal length along x.
+    pub fx: f32,
+    /// Focal length along y.
+    pub fy: f32,
+    /// Principal point to the right.
+    pub cx: f32,
+    /// Principal point down.
+    pub cy: f32,
+}
+
+impl Intrinsics {
+    /// The same when they can be used.
+    fn checked(self) -> Result<Self, CameraError> {
+        finite(&[self.fx, self.fy, self.cx, self.cy])?;
+        if self.fx > 0.0 && self.fy > 0.0 { Ok(self) } else { Err(CameraError::Focal) }
+    }
+
+    /// From focal lengths to pixels; `None` when that overflows.
+    fn pixel(&self, x: f32, y: f32) -> Option<Pixel> {
+        let pixel = Pixel { x: self.fx * x + self.cx, y: self.fy * y + self.cy };
+        (pixel.x.is_finite() && pixel.y.is_finite()).then_some(pixel)
+    }
+
+    /// From pixels to a position in focal lengths, which may be infinite or not a number.
+    fn plane(&self, pixel: Pixel) -> Plane {
+        let (x, y) = ((pixel.x - self.cx) / self.fx, (pixel.y - self.cy) / self.fy);
+        Plane { x, y, radius: libm::sqrtf(x * x + y * y) }
+    }
+
+    /// Those of the image resized by `sx` and `sy`; not a number for scales that make no sense.
+    fn scaled(&self, sx: f32, sy: f32) -> Self {
+        let sane = |s: f32| if s > 0.0 && s.is_finite() { s } else { f32::NAN };
+        let (sx, sy) = (sane(sx), sane(sy));
+        let centre = |c: f32, s: f32| (c + 0.5) * s - 0.5;
+        Self { fx: self.fx * sx, fy: self.fy * sy, cx: centre(self.cx, sx), cy: centre(self.cy, sy) }
+    }
+}
+
+/// A position in the image in focal lengths from the principal point.
+struct Plane {
+    x: f32,
+    y: f32,
+    radius: f32,
+}
+
+impl Plane {
+    /// The radius, brought back to the rim from just beyond it; `None` further out, for NaN as well.
+    fn radius_within(&self, rim: f32) -> Option<f32> {
+        (self.radius <= rim * (1.0 + RIM)).then(|| self.radius.min(rim))
+    }
+
+    /// The bearing at the angle `theta` in this direction from the axis.
+    fn bearing(&self, theta: f32) -> Bearing {
+        if self.radius > 0.0 {
+            let (sin, cos) = libm::sincosf(theta);
+            Bearing::new(sin * (self.x / self.radius), sin * (self.y / self.radius), cos)
+        } else {
+            Bearing::new(0.0, 0.0, 1.0)
+        }
+    }
+}
+
+/// A bearing as the angle from the axis and the direction around it.
+struct Polar {
+    theta: f32,
+    /// x and y of the direction, of length 1; both 0 on the axis.
+    direction: [f32; 2],
+}
+
+impl Polar {
+    /// `None` for a bearing that is not finite, zero, or straight behind.
+    fn new(bearing: &Bearing) -> Option<Self> {
+        let b = unlimited(bearing)?;
+        let rho = libm::sqrtf(b.x * b.x + b.y * b.y);
+        if rho > 0.0 {
+            return Some(Self { theta: libm::atan2f(rho, b.z), direction: [b.x / rho, b.y / rho] });
+        }
+        (b.z > 0.0).then_some(Self { theta: 0.0, direction: [0.0; 2] })
+    }
+
+    /// The angle, brought back to the rim from just beyond it; `None` further out.
+    fn theta_within(&self, rim: f32) -> Option<f32> {
+        (self.theta <= rim * (1.0 + RIM)).then(|| self.theta.min(rim))
+    }
+}
+
+/// The bearing with its largest component at 1, so that no square overflows or vanishes; `None` for a
+/// bearing that is not finite or zero.
+fn unlimited(bearing: &Bearing) -> Option<Bearing> {
+    let largest = bearing.x.abs().max(bearing.y.abs()).max(bearing.z.abs());
+    // The maximum passes over NaN, the sum does not.
+    let sum = bearing.x + bearing.y + bearing.z;
+    if largest > 0.0 && largest.is_finite() && !sum.is_nan() {
+        return Some(Bearing::new(bearing.x / largest, bearing.y / largest, bearing.z / largest));
+    }
+    None
+}
+
+/// A camera of one of the models.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Camera {
+    /// Polynomial of the angle.
+    KannalaBrandt(KannalaBrandt),
+    /// Enhanced unified camera model.
+    Eucm(Eucm),
+    /// Radius proportional to the angle.
+    Equidistant(Equidistant),
+}
+
+impl Camera {
+    /// Where a bearing falls in the image, however far outside the sensor.
+    ///
+    /// The bearing need not have length 1. `None` when it is not finite, zero, straight behind or
+    /// beyond [`max_angle`](Self::max_angle).
+    #[must_use]
+    pub fn project(&self, bearing: &Bearing) -> Option<Pixel> {
+        match self {
+            Self::KannalaBrandt(model) => model.project(bearing),
+            Self::Eucm(model) => model.project(bearing),
+            Self::Equidistant(model) => model.project(bearing),
+        }
+    }
+
+    /// The bearing that falls on a pixel, of length 1.
+    ///
+    /// `None` when the pixel is not finite or lies outside the image of the
+    /// [field](Self::max_angle).
+    #[must_use]
+    pub fn unproject(&self, pixel: Pixel) -> Option<Bearing> {
+        match self {
+            Self::KannalaBrandt(model) => model.unproject(pixel),
+            Self::Eucm(model) => model.unproject(pixel),
+            Self::Equidistant(model) => model.unproject(pixel),
+        }
+    }
+
+    /// The camera of an image resized by `sx` along x and `sy` along y: f' = f s, c' = (c + 0.5) s - 0.5.
+    ///
+    /// With a scale that is not positive and finite the camera sees nothing.
+    #[must_use]
+    pub fn scaled(&self, sx: f32, sy: f32) -> Self {
+        let mut camera = *self;
+        let intrinsics = match &mut camera {
+            Self::KannalaBrandt(model) => &mut model.intrinsics,
+            Self::Eucm(model) => &mut model.intrinsics,
+            Self::Equidistant(model) => &mut model.intrinsics,
+        };
+        *intrinsics = intrinsics.scaled(sx, sy);
+        camera
+    }
+
+    /// Focal lengths and principal point.
+    #[must_use]
+    pub fn intrinsics(&self) -> Intrinsics {
+        match self {
+            Self::KannalaBrandt(model) => model.intrinsics,
+            Self::Eucm(model) => model.intrinsics,
+            Self::Equidistant(model) => model.intrinsics,
+        }
+    }
+
+    /// The largest angle from the axis that has an image, in radians, at most [`WIDEST_ANGLE`].
+    #[must_use]
+    pub fn max_angle(&self) -> f32 {
+        match self {
+            Self::KannalaBrandt(model) => model.max_angle,
+            Self::Eucm(model) => model.max_angle,
+            Self::Equidistant(_) => WIDEST_ANGLE,
+        }
+    }
+}
+
+/// Why a camera, a view or a rig could not be made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum CameraError {
+    /// A parameter is infinite or not a number.
+    NotFinite,
+    /// A focal length is zero or negative.
+    Focal,
+    /// Alpha lies outside 0 to 1.
+    Alpha,
+    /// Beta is zero or negative.
+    Beta,
+    /// The field is narrower than [`NARROWEST_ANGLE`], or its image smaller: the radius stops growing
+    /// with the angle, or grows beyond measure.
+    Field,
+    /// An image has no pixels along one side.
+    Size,
+    /// A rotation is not orthonormal, or mirrors.
+    Rotation,
+    /// A rig has no camera.
+    Empty,
+}
+
+impl fmt::Display for CameraError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::NotFinite => "camera parameter is infinite or not a number",
+            Self::Focal => "focal length is not positive",
+            Self::Alpha => "alpha lies outside 0 to 1",
+            Self::Beta => "beta is not positive",
+            Self::Field => "coefficients give a field of less than 6 degrees from the axis",
+            Self::Size => "image side is zero",
+            Self::Rotation => "matrix is no rotation",
+            Self::Empty => "rig has no camera",
+        })
+    }
+}
+
+impl core::error::Error for CameraError {}
+
+fn finite(values: &[f32]) -> Result<(), CameraError> {
+    if values.iter().all(|value| value.is_finite()) { Ok(()) } else { Err(CameraError::NotFinite) }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,105 @@
+//! One or two cameras that look at the same place.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::{Camera, CameraError, finite};
+
+/// Largest departure of a rotation's rows from orthonormal.
+const ORTHONORMAL: f32 = 1e-4;
+
+/// A camera with its image size and its place in the rig.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct View {
+    /// The camera.
+    pub camera: Camera,
+    /// Pixels along x.
+    pub width: u16,
+    /// Pixels along y.
+    pub height: u16,
+    /// Turns bearings of this camera into bearings of camera 0.
+    pub rotation: Matrix3<f32>,
+    /// Where this camera is in the axes of camera 0, metres.
+    pub position: Vector3<f32>,
+}
+
+impl View {
+    /// A camera in the place of camera 0.
+    #[must_use]
+    pub fn new(camera: Camera, width: u16, height: u16) -> Self {
+        Self { camera, width, height, rotation: Matrix3::identity(), position: Vector3::zeros() }
+    }
+
+    fn check(&self) -> Result<(), CameraError> {
+        if self.width == 0 || self.height == 0 {
+            return Err(CameraError::Size);
+        }
+        finite(self.position.as_slice())?;
+        finite(self.rotation.as_slice())?;
+        let off = self.rotation * self.rotation.transpose() - Matrix3::identity();
+        let orthonormal = off.iter().all(|value| value.abs() <= ORTHONORMAL);
+        let mirrors =
+            self.rotation.column(0).cross(&self.rotation.column(1)).dot(&self.rotation.column(2)) <= 0.0;
+        if orthonormal && !mirrors { Ok(()) } else { Err(CameraError::Rotation) }
+    }
+}
+
+#[cfg(feature = "defmt")]
+impl defmt::Format for View {
+    fn format(&self, f: defmt::Formatter<'_>) {
+        let (rotation, position) = (self.rotation.as_slice(), self.position.as_slice());
+        defmt::write!(
+            f,
+            "View {{ {}, {} x {}, rotation by columns {}, position {} }}",
+            self.camera,
+            self.width,
+            self.height,
+            rotation,
+            position
+        );
+    }
+}
+
+/// The cameras of a robot, in the order of their images; either may be missing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Rig {
+    views: [Option<View>; 2],
+}
+
+impl Rig {
+    /// A rig of one or two cameras.
+    ///
+    /// # Errors
+    /// [`CameraError::Empty`] without a camera; [`CameraError::Size`], [`CameraError::NotFinite`] and
+    /// [`CameraError::Rotation`] for a view that makes no sense.
+    pub fn new(views: [Option<View>; 2]) -> Result<Self, CameraError> {
+        if views.iter().flatten().count() == 0 {
+            return Err(CameraError::Empty);
+        }
+        views.iter().flatten().try_for_each(View::check)?;
+        Ok(Self { views })
+    }
+
+    /// The paper's simplification: the back camera is the front one turned by 180 degrees about the
+    /// vertical (y) axis, and both are in the same place. The places in the two views are passed over.
+    ///
+    /// # Errors
+    /// [`CameraError::Size`].
+    pub fn back_to_back(front: View, back: View) -> Result<Self, CameraError> {
+        let turned = Matrix3::from_diagonal(&Vector3::new(-1.0, 1.0, -1.0));
+        let front = View::new(front.camera, front.width, front.height);
+        let back = View { rotation: turned, ..View::new(back.camera, back.width, back.height) };
+        Self::new([Some(front), Some(back)])
+    }
+
+    /// The camera with this number, 0 or 1, if the rig has it.
+    #[must_use]
+    pub fn view(&self, number: usize) -> Option<&View> {
+        self.views.get(number)?.as_ref()
+    }
+
+    /// The cameras there are, with their numbers.
+    pub fn views(&self) -> impl Iterator<Item = (usize, &View)> {
+        self.views.iter().enumerate().filter_map(|(number, view)| Some((number, view.as_ref()?)))
+    }
+}

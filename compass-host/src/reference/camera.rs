@@ -1,0 +1,151 @@
+//! The camera models again: radius as a function of the angle, everything else by halving.
+//!
+//! Axes and pixel centres are the core's: x right, y down, z forward; the top left pixel is (0, 0).
+
+use compass_core::camera::{Camera as CoreCamera, WIDEST_ANGLE, WIDEST_RADIUS};
+
+/// How far from the principal point an angle is imaged.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Model {
+    /// Polynomial with k1 to k4 at theta^3 to theta^9.
+    KannalaBrandt([f64; 4]),
+    /// Enhanced unified camera model.
+    Eucm {
+        /// 0 to 1.
+        alpha: f64,
+        /// Above 0.
+        beta: f64,
+    },
+    /// Radius equal to the angle.
+    Equidistant,
+}
+
+impl Model {
+    /// Focal lengths from the principal point, at an angle in radians from the axis.
+    #[must_use]
+    pub fn radius(&self, theta: f64) -> f64 {
+        match *self {
+            Self::KannalaBrandt([k1, k2, k3, k4]) => {
+                theta + k1 * theta.powi(3) + k2 * theta.powi(5) + k3 * theta.powi(7) + k4 * theta.powi(9)
+            }
+            Self::Eucm { alpha, beta } => {
+                let (sin, cos) = theta.sin_cos();
+                sin / (alpha * (beta * sin * sin + cos * cos).sqrt() + (1.0 - alpha) * cos)
+            }
+            Self::Equidistant => theta,
+        }
+    }
+}
+
+/// A camera in `f64`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Camera {
+    /// The lens.
+    pub model: Model,
+    /// Focal lengths along x and y, pixels.
+    pub focal: [f64; 2],
+    /// Principal point, pixels.
+    pub centre: [f64; 2],
+}
+
+impl Camera {
+    /// The largest angle, in radians, up to which the radius grows with the angle and stays within the
+    /// core's limits.
+    #[must_use]
+    pub fn max_angle(&self) -> f64 {
+        const STEP: f64 = 1e-4;
+        let (mut theta, mut radius) = (0.0, 0.0);
+        while theta + STEP <= f64::from(WIDEST_ANGLE) {
+            let next = self.model.radius(theta + STEP);
+            // A denominator through zero turns the radius negative; NaN ends the field as well.
+            if !(next > radius && next <= f64::from(WIDEST_RADIUS)) {
+                break;
+            }
+            (theta, radius) = (theta + STEP, next);
+        }
+        theta
+    }
+
+    /// The pixel of a bearing of any length; `None` straight behind. The field is not checked.
+    #[must_use]
+    pub fn project(&self, [x, y, z]: [f64; 3]) -> Option<[f64; 2]> {
+        let across = x.hypot(y);
+        if across == 0.0 {
+            return (z > 0.0).then_some(self.centre);
+        }
+        let radius = self.model.radius(across.atan2(z));
+        Some([
+            self.focal[0] * radius * x / across + self.centre[0],
+            self.focal[1] * radius * y / across + self.centre[1],
+        ])
+    }
+
+    /// The bearing of length 1 of a pixel whose angle is at most `limit`; `None` further out.
+    #[must_use]
+    pub fn unproject(&self, [x, y]: [f64; 2], limit: f64) -> Option<[f64; 3]> {
+        let (x, y) = ((x - self.centre[0]) / self.focal[0], (y - self.centre[1]) / self.focal[1]);
+        let radius = x.hypot(y);
+        if radius == 0.0 {
+            return Some([0.0, 0.0, 1.0]);
+        }
+        // Written so that NaN is refused as well.
+        if !(radius <= self.model.radius(limit)) {
+            return None;
+        }
+        let (mut low, mut high) = (0.0, limit);
+        for _ in 0..64 {
+            let middle = 0.5 * (low + high);
+            if self.model.radius(middle) < radius { low = middle } else { high = middle }
+        }
+        let (sin, cos) = (0.5 * (low + high)).sin_cos();
+        Some([sin * x / radius, sin * y / radius, cos])
+    }
+
+    /// The camera of the image resized by `sx` and `sy`; the outer edges of the image stay.
+    #[must_use]
+    pub fn scaled(&self, sx: f64, sy: f64) -> Self {
+        let [cx, cy] = self.centre;
+        Self {
+            model: self.model,
+            focal: [self.focal[0] * sx, self.focal[1] * sy],
+            centre: [(cx + 0.5) * sx - 0.5, (cy + 0.5) * sy - 0.5],
+        }
+    }
+}
+
+impl From<&CoreCamera> for Camera {
+    fn from(camera: &CoreCamera) -> Self {
+        let i = camera.intrinsics();
+        let model = match camera {
+            CoreCamera::KannalaBrandt(lens) => Model::KannalaBrandt(lens.coefficients().map(f64::from)),
+            CoreCamera::Eucm(lens) => {
+                Model::Eucm { alpha: f64::from(lens.alpha()), beta: f64::from(lens.beta()) }
+            }
+            CoreCamera::Equidistant(_) => Model::Equidistant,
+        };
+        Self { model, focal: [f64::from(i.fx), f64::from(i.fy)], centre: [f64::from(i.cx), f64::from(i.cy)] }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn goes_round() {
+        let models = [
+            Model::Equidistant,
+            Model::KannalaBrandt([0.03, -0.012, -0.001, 0.0001]),
+            Model::Eucm { alpha: 0.65, beta: 0.9 },
+        ];
+        for model in models {
+            let camera = Camera { model, focal: [430.0, 431.0], centre: [700.0, 690.0] };
+            let limit = camera.max_angle();
+            assert!(limit > 1.9, "{model:?} {limit}");
+            for (x, y) in [(700.0, 690.0), (12.0, 700.5), (650.25, 1300.0), (1200.0, 260.0)] {
+                let [u, v] = camera.project(camera.unproject([x, y], limit).unwrap()).unwrap();
+                assert!((u - x).hypot(v - y) < 1e-9, "{model:?}: {x} {y}, {u} {v}");
+            }
+        }
+    }
+}

@@ -1,0 +1,119 @@
+//! Camera models against OpenCV and against real calibrations; calibrations that make no sense, from the
+//! command line.
+
+use compass_core::camera::{Bearing, Camera, Intrinsics, KannalaBrandt, ROUND_TRIP_PX};
+use compass_host::calibration::Calibration;
+use compass_host::compare::camera::stages;
+use compass_tests::{Folder, number, recordings};
+
+/// Largest difference to OpenCV's projection, in pixels.
+const OPENCV_PX: f64 = 0.001;
+
+/// Largest difference of two calibrations of one lens, Kannala-Brandt and EUCM, in pixels.
+const MODELS_PX: f64 = 0.1;
+
+#[test]
+fn kannala_brandt_projects_as_opencv_does() {
+    let (mut worst, mut count) = (0.0_f64, 0);
+    let table = include_str!("../vectors/opencv_fisheye.csv");
+    for line in table.lines().filter(|line| !line.starts_with(['#', 'f'])) {
+        let row: Vec<f64> = line.split(',').map(|field| field.parse().unwrap()).collect();
+        let single: Vec<f32> = row.iter().map(|&value| value as f32).collect();
+        let [fx, fy, cx, cy, k1, k2, k3, k4, x, y, z, _, _] = single[..] else { panic!("{line}") };
+        let lens = KannalaBrandt::new(Intrinsics { fx, fy, cx, cy }, [k1, k2, k3, k4]).unwrap();
+        let pixel = Camera::KannalaBrandt(lens).project(&Bearing::new(x, y, z)).unwrap();
+        worst = worst.max((f64::from(pixel.x) - row[11]).hypot(f64::from(pixel.y) - row[12]));
+        count += 1;
+    }
+    println!("worst of {count}: {worst} px");
+    assert!(count > 500 && worst <= OPENCV_PX, "{count}: {worst} px");
+}
+
+fn lenses(calibration: &Calibration) -> Vec<Camera> {
+    let sizes = calibration.cameras.each_ref().map(|camera| Some(camera.as_ref()?.resolution));
+    calibration.rig(sizes).unwrap().views().map(|(_, view)| view.camera).collect()
+}
+
+#[test]
+fn real_lenses_agree_between_models() {
+    let Some(data) = recordings("real_lenses_agree_between_models") else { return };
+    let load = |name| Calibration::load(&data.join("hilti/config").join(name)).unwrap();
+    let polynomial = load("kalibr_imucam_chain.yaml");
+    let unified = load("kalibr_imucam_chain_eucm.yaml");
+    let both = [lenses(&polynomial), lenses(&unified)];
+    assert_eq!((both[0].len(), both[1].len()), (2, 2));
+    for (number, (a, b)) in both[0].iter().zip(&both[1]).enumerate() {
+        let mut worst = 0.0_f32;
+        for tenths in 0..=950_u16 {
+            let (sin, cos) = (f32::from(tenths) / 10.0).to_radians().sin_cos();
+            for degrees in (0..360_u16).step_by(5) {
+                let (s, c) = f32::from(degrees).to_radians().sin_cos();
+                let bearing = Bearing::new(sin * c, sin * s, cos);
+                let (a, b) = (a.project(&bearing).unwrap(), b.project(&bearing).unwrap());
+                worst = worst.max((a.x - b.x).hypot(a.y - b.y));
+            }
+        }
+        println!("cam{number}: {worst} px; fields {} and {} rad", a.max_angle(), b.max_angle());
+        assert!(f64::from(worst) <= MODELS_PX, "cam{number}: {worst} px");
+    }
+    for stage in both.iter().flat_map(|lenses| stages(lenses)) {
+        println!("{stage:?}");
+        assert!(stage.in_bounds, "{stage:?}");
+    }
+}
+
+#[test]
+fn real_rig_is_back_to_back() {
+    let Some(data) = recordings("real_rig_is_back_to_back") else { return };
+    let calibration = Calibration::load(&data.join("hilti/config/kalibr_imucam_chain.yaml")).unwrap();
+    let [Some(front), Some(_)] = &calibration.cameras else { panic!("two cameras") };
+    let (width, height) = front.resolution;
+    let rig = calibration.rig([Some((width, height)), Some((width / 2, height / 2))]).unwrap();
+    let back = rig.view(1).unwrap();
+    let behind = back.rotation * Bearing::new(0.0, 0.0, 1.0);
+    let down = back.rotation * Bearing::new(0.0, 1.0, 0.0);
+    println!("cam1's axis {behind:?}, its down {down:?}, at {:?}", back.position);
+    assert!(behind.z < -0.999 && down.y > 0.999, "{behind:?} {down:?}");
+    assert!(back.position.norm() < 0.1, "{:?}", back.position);
+    assert_eq!((u32::from(back.width), u32::from(back.height)), (width / 2, height / 2));
+}
+
+const CHAIN: &str = "%YAML:1.0\ncam0:\n  camera_model: pinhole\n  distortion_model: equidistant\n  \
+                     intrinsics: [430, 431, 402, 300]\n  distortion_coeffs: [0.02, -0.01, -0.001, 0.0001]\n  \
+                     resolution: [800, 600]\n";
+
+#[test]
+fn compare_takes_a_calibration() {
+    let folder = Folder::new();
+    folder.write("chain.yaml", CHAIN.as_bytes());
+    let output = folder.json("compare --poses 2 --calib chain.yaml");
+    let stages: Vec<_> = output["stages"].as_array().unwrap().iter().collect();
+    let cameras: Vec<_> =
+        stages.iter().filter(|stage| stage["stage"].as_str().unwrap().starts_with("camera: ")).collect();
+    assert_eq!(cameras.len(), 3, "one model: {cameras:?}");
+    assert!(cameras.iter().all(|stage| number(&stage["compared"]) > 0.0 && stage["in_bounds"] == true));
+    let round_trip = cameras[2];
+    assert!((number(&round_trip["bound"]) - f64::from(ROUND_TRIP_PX)).abs() < 1e-6, "{round_trip}");
+}
+
+#[test]
+fn bad_calibrations_are_refused_in_one_line() {
+    let folder = Folder::new();
+    let refused = |text: &str, named: &[&str]| {
+        folder.write("chain.yaml", text.as_bytes());
+        let ran = folder.run("compare --poses 2 --calib chain.yaml");
+        assert_eq!((ran.status, ran.stdout.as_str()), (Some(2), ""), "{}", ran.stderr);
+        assert_eq!(ran.stderr.lines().count(), 1, "{}", ran.stderr);
+        for name in named {
+            assert!(ran.stderr.contains(name), "no '{name}' in {}", ran.stderr);
+        }
+    };
+    refused("", &["chain.yaml"]);
+    refused(&CHAIN.replace("equidistant", "radtan"), &["chain.yaml", "cam0.distortion_model", "radtan"]);
+    refused(&CHAIN.replace("[0.02,", "[1, 0.02,"), &["cam0.distortion_coeffs", "left out"]);
+    refused(&CHAIN.replace("430", "0"), &["cam0.intrinsics", "focal"]);
+    refused(&CHAIN[..CHAIN.find("  resolution").unwrap()], &["cam0.resolution", "missing"]);
+    let ran = folder.run("compare --poses 2 --calib nowhere.yaml");
+    assert_eq!(ran.status, Some(2));
+    assert!(ran.stderr.contains("nowhere.yaml"), "{}", ran.stderr);
+}
