@@ -10,7 +10,7 @@
 //! | module | owns |
 //! |---|---|
 //! | [`num`] | fixed-point vocabulary: levels, metres, binary angles, scores |
-//! | [`raster`] | borrowed bit masks |
+//! | [`raster`] | borrowed bit masks, gray and colour images |
 //! | [`scan`] | range and hit type of 360 rays |
 //! | [`plan`] | the packed floor plan and the ray march |
 //! | [`descriptor`] | the 5 x 360 descriptor of a scan |

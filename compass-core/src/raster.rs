@@ -1,4 +1,4 @@
-//! Borrowed raster views, checked once when made.
+//! Borrowed raster views, checked once when made: bit masks, gray and colour images.
 //!
 //! Row 0 of a plan's mask is the **southernmost** row (y up), so that map coordinates grow with the
 //! index; importers of plans flip the rows. Row 0 of an image, and of a mask over one, is its top row.
@@ -146,6 +146,59 @@ impl<'a> GrayImage<'a> {
     }
 }
 
+/// An 8-bit colour image, red, green, blue interleaved, rows without padding, row 0 at the top.
+#[derive(Debug, Clone, Copy)]
+pub struct RgbImage<'a> {
+    samples: &'a [u8],
+    width: u32,
+    height: u32,
+}
+
+impl<'a> RgbImage<'a> {
+    /// Views `samples`, three a pixel, as an image of `width` x `height` pixels.
+    ///
+    /// # Errors
+    /// [`RasterError::Size`] for a side of 0 or above [`MAX_SIDE`]; [`RasterError::Length`] when the
+    /// slice is too short. A longer slice is accepted.
+    pub fn new(samples: &'a [u8], width: u32, height: u32) -> Result<Self, RasterError> {
+        let needed = pixel_count(width, height)?.checked_mul(3).ok_or(RasterError::Size)?;
+        let samples = samples.get(..needed).ok_or(RasterError::Length)?;
+        Ok(Self { samples, width, height })
+    }
+
+    /// Pixels along x.
+    #[must_use]
+    pub const fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Pixels along y.
+    #[must_use]
+    pub const fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// Red, green and blue at column `x`, row `y`; black outside the image.
+    #[must_use]
+    #[inline]
+    pub fn pixel(&self, x: u32, y: u32) -> [u8; 3] {
+        if x >= self.width || y >= self.height {
+            return [0; 3];
+        }
+        let at = 3 * (y as usize * self.width as usize + x as usize);
+        self.samples.get(at..at + 3).and_then(|rgb| rgb.try_into().ok()).unwrap_or([0; 3])
+    }
+}
+
+/// Whether red dominates a colour, as on helmets and safety vests: R above half as much again as G and B, and
+/// by more than 40 levels.
+#[must_use]
+#[inline]
+pub const fn is_red([r, g, b]: [u8; 3]) -> bool {
+    let (r, other) = (r as u32, if g > b { g as u32 } else { b as u32 });
+    r > other + 40 && 2 * r > 3 * other
+}
+
 fn pixel_count(width: u32, height: u32) -> Result<usize, RasterError> {
     if width == 0 || height == 0 || width > MAX_SIDE || height > MAX_SIDE {
         return Err(RasterError::Size);
@@ -156,6 +209,22 @@ fn pixel_count(width: u32, height: u32) -> Result<usize, RasterError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn images_are_read_row_by_row() {
+        let gray = GrayImage::new(&[1, 2, 3, 4, 5, 6, 7], 3, 2).unwrap();
+        assert_eq!((gray.row(1), gray.row(2)), (&[4, 5, 6][..], &[][..]));
+        assert_eq!(GrayImage::new(&[1, 2, 3], 2, 2).unwrap_err(), RasterError::Length);
+        let rgb = RgbImage::new(&[1, 2, 3, 4, 5, 6], 1, 2).unwrap();
+        assert_eq!((rgb.pixel(0, 1), rgb.pixel(1, 0), rgb.pixel(0, 2)), ([4, 5, 6], [0; 3], [0; 3]));
+        assert_eq!(RgbImage::new(&[0; 5], 1, 2).unwrap_err(), RasterError::Length);
+    }
+
+    #[test]
+    fn safety_gear_is_red_and_walls_are_not() {
+        assert!(is_red([200, 40, 50]) && is_red([90, 30, 20]));
+        assert!(!is_red([200, 190, 180]) && !is_red([60, 25, 25]) && !is_red([250, 180, 60]));
+    }
 
     #[test]
     fn reads_bits_and_hides_padding() {
