@@ -47,6 +47,7 @@ pub mod signature;
 pub mod similarity;
 pub mod site_map;
 pub mod spectrum;
+pub mod windows;
 
 /// The README's example, compiled.
 #[cfg(doctest)]

@@ -1,0 +1,250 @@
+//! Boxes: pairs of edges, scored as windows by what lies between and beside them.
+
+use super::edges::{Edge, FINE};
+use super::ring::{Resolution, TOP_DEG};
+
+/// Narrowest and widest window, degrees.
+const NARROWEST_DEG: usize = 1;
+pub(super) const WIDEST_DEG: usize = 60;
+/// Heights that two edges share: at least half of the shorter, and at least 2 degrees.
+const SHARED_DEG: i32 = 2;
+/// A window reaches above this elevation and below [`LOW_DEG`].
+const HIGH_DEG: i32 = 1;
+const LOW_DEG: i32 = 10;
+/// Flanks are half as wide as the box, within these bounds in eighths of a degree.
+const FLANK_EIGHTHS: [usize; 2] = [12, 32];
+/// Rows searched for lintel and sill: 3 degrees outside the edges' common part, 1.5 inside.
+const OUTSIDE_HALVES: usize = 6;
+const INSIDE_HALVES: usize = 3;
+
+/// Scores count in 1/256 nat.
+pub(super) const NAT: i32 = 256;
+/// Weights of the cues, in nats; fitted once by logistic regression on boxes of rendered and real rooms.
+const LINTEL: i32 = 4;
+const CONTRAST: i32 = 4;
+const TEXTURE: i32 = 8;
+const BIAS: i32 = -4 * NAT;
+/// Penalties, in halves of a nat per octave, of shapes wider than 2^-0.8 and narrower than 1/4 of their height.
+const WIDE_HALVES: i32 = 3;
+const NARROW_HALVES: i32 = 4;
+/// Boxes below this score are forgotten.
+pub(super) const LEAST_SCORE: i32 = -4 * NAT;
+
+/// A box on the ring: columns `start..end` (`end` may lie beyond the last column: the ring goes round), rows
+/// `top..bottom`, and its score as a window in 1/256 nat.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct WindowBox {
+    pub(super) start: u16,
+    pub(super) end: u16,
+    pub(super) top: u16,
+    pub(super) bottom: u16,
+    pub(super) score: i16,
+    /// The next box in a list.
+    pub(super) next: u16,
+}
+
+impl WindowBox {
+    pub(super) fn width(&self) -> usize {
+        usize::from(self.end - self.start)
+    }
+}
+
+/// The planes of a ring.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Planes<'a> {
+    pub(super) rank: &'a [u8],
+    pub(super) texture: &'a [u8],
+    pub(super) resolution: Resolution,
+}
+
+/// Sums over a part of the planes.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sums {
+    known: u32,
+    rank: u32,
+    texture: u32,
+}
+
+impl Sums {
+    /// Mean rank and texture in 1/16 of a level.
+    fn means(&self) -> (i32, i32) {
+        let mean = |sum: u32| (u64::from(sum) * 16 / u64::from(self.known.max(1))) as i32;
+        (mean(self.rank), mean(self.texture))
+    }
+}
+
+impl Planes<'_> {
+    /// The cells of a row from a column on, in one or two pieces.
+    fn pieces<'p>(&self, plane: &'p [u8], row: usize, start: usize, width: usize) -> [&'p [u8]; 2] {
+        let columns = self.resolution.columns();
+        let start = start % columns;
+        let row = plane.get(row * columns..(row + 1) * columns).unwrap_or(&[]);
+        let first = width.min(columns - start);
+        [row.get(start..start + first).unwrap_or(&[]), row.get(..width - first).unwrap_or(&[])]
+    }
+
+    fn sums(&self, rows: core::ops::Range<usize>, start: usize, width: usize) -> Sums {
+        let mut sums = Sums::default();
+        for row in rows {
+            for piece in self.pieces(self.rank, row, start, width) {
+                sums.rank += total(piece);
+                sums.known += piece.len() as u32 - unknown(piece);
+            }
+            sums.texture += self.texture_of(row, start, width);
+        }
+        sums
+    }
+
+    fn texture_of(&self, row: usize, start: usize, width: usize) -> u32 {
+        self.pieces(self.texture, row, start, width).map(total).iter().sum()
+    }
+}
+
+fn total(cells: &[u8]) -> u32 {
+    cells.iter().map(|cell| u32::from(*cell)).sum()
+}
+
+fn unknown(cells: &[u8]) -> u32 {
+    cells.iter().map(|cell| u32::from(*cell == 0)).sum()
+}
+
+/// The box between two edges, if it has the shape of a window and can be seen.
+pub(super) fn propose(planes: &Planes<'_>, left: &Edge, right: &Edge) -> Option<WindowBox> {
+    let per_degree = planes.resolution.per_degree() as i32;
+    let round = |fine: i32| (fine + FINE / 2).div_euclid(FINE);
+    let (start, end) = (round(left.x), round(right.x));
+    let (top, bottom) = (left.top.max(right.top), left.bottom.min(right.bottom));
+    let shorter = (left.bottom - left.top).min(right.bottom - right.top);
+    let row_of = |elevation: i32| (TOP_DEG - elevation) * per_degree * FINE;
+    if (left.rim && right.rim)
+        || bottom - top < (shorter / 2).max(SHARED_DEG * per_degree * FINE)
+        || top > row_of(HIGH_DEG)
+        || bottom < row_of(LOW_DEG)
+        || end - start < NARROWEST_DEG as i32 * per_degree
+    {
+        return None;
+    }
+    let (top, bottom) = (round(top).max(0), round(bottom).min(planes.resolution.rows() as i32));
+    if bottom - top < 4 {
+        return None;
+    }
+    scored(planes, start as usize, end as usize, top as usize, bottom as usize)
+}
+
+fn scored(planes: &Planes<'_>, start: usize, end: usize, top: usize, bottom: usize) -> Option<WindowBox> {
+    let (width, height) = (end - start, bottom - top);
+    let inside = planes.sums(top..bottom, start, width);
+    if 10 * u64::from(inside.known) < 6 * (width * height) as u64 {
+        return None;
+    }
+    let (rank, texture) = inside.means();
+    let (flank_rank, flank_texture) = flanks(planes, start, end, top..bottom)?;
+    let (lintel, lintel_row) = strongest_row(planes, (start, width), above(planes, top, height));
+    let (sill, sill_row) = strongest_row(planes, (start, width), below(planes, bottom, height));
+    let borders = (lintel + sill) as i32 * NAT / (2 * 255 * width as i32);
+    let per_level = |difference: i32| difference * NAT / (255 * 16);
+    let octaves = log2_ratio(width as u32, height as u32);
+    let wide = (octaves + NAT * 4 / 5).max(0);
+    let narrow = (-2 * NAT - octaves).max(0);
+    let score = LINTEL * borders
+        + CONTRAST * per_level(rank - flank_rank)
+        + TEXTURE * per_level(texture - flank_texture)
+        - WIDE_HALVES * wide / 2
+        - NARROW_HALVES * narrow / 2
+        + BIAS;
+    Some(WindowBox {
+        start: start as u16,
+        end: end as u16,
+        top: top.min(lintel_row) as u16,
+        bottom: bottom.max(sill_row + 1) as u16,
+        score: score.clamp(i32::from(i16::MIN), i32::from(i16::MAX)) as i16,
+        next: u16::MAX,
+    })
+}
+
+/// Mean rank beside a box, and the larger mean texture of its two sides; `None` where neither can be seen.
+fn flanks(
+    planes: &Planes<'_>,
+    start: usize,
+    end: usize,
+    rows: core::ops::Range<usize>,
+) -> Option<(i32, i32)> {
+    let per_degree = planes.resolution.per_degree();
+    let [least, most] = FLANK_EIGHTHS.map(|eighths| (eighths * per_degree).div_ceil(8));
+    let width = (end - start).div_ceil(2).clamp(least, most);
+    let columns = planes.resolution.columns();
+    // One cell of gap to the edge.
+    let sides = [start + columns - 1 - width, end + 1].map(|side| planes.sums(rows.clone(), side, width));
+    let area = (width * rows.len()) as u64;
+    let (mut rank, mut texture, mut seen) = (0, i32::MIN, 0);
+    for side in sides.iter().filter(|side| 10 * u64::from(side.known) > 3 * area) {
+        let (side_rank, side_texture) = side.means();
+        rank += side_rank;
+        texture = texture.max(side_texture);
+        seen += 1;
+    }
+    (seen > 0).then(|| (rank / seen, texture))
+}
+
+fn inner(planes: &Planes<'_>, height: usize) -> usize {
+    (INSIDE_HALVES * planes.resolution.per_degree() / 2).min(height / 4)
+}
+
+fn above(planes: &Planes<'_>, top: usize, height: usize) -> core::ops::Range<usize> {
+    let outside = OUTSIDE_HALVES * planes.resolution.per_degree() / 2;
+    top.saturating_sub(outside)..top + inner(planes, height)
+}
+
+fn below(planes: &Planes<'_>, bottom: usize, height: usize) -> core::ops::Range<usize> {
+    let outside = OUTSIDE_HALVES * planes.resolution.per_degree() / 2;
+    bottom - inner(planes, height)..(bottom + outside).min(planes.resolution.rows())
+}
+
+/// The most textured of some rows between two columns: the sum of its texture, and the row.
+fn strongest_row(
+    planes: &Planes<'_>,
+    (start, width): (usize, usize),
+    rows: core::ops::Range<usize>,
+) -> (u32, usize) {
+    let mut best = (0, rows.start);
+    for row in rows {
+        let texture = planes.texture_of(row, start, width);
+        if texture > best.0 {
+            best = (texture, row);
+        }
+    }
+    best
+}
+
+/// log2(a / b) in 1/256, within -5 to 4.
+fn log2_ratio(a: u32, b: u32) -> i32 {
+    (log2(a.max(1)) - log2(b.max(1))).clamp(-5 * NAT, 4 * NAT)
+}
+
+/// log2 in 1/256, rounded down, by repeated squaring.
+fn log2(value: u32) -> i32 {
+    let whole = value.ilog2();
+    // 1 <= mantissa < 2 in 1/2^15.
+    let mut mantissa = (u64::from(value) << 15 >> whole) as u32;
+    let mut log = whole as i32;
+    for _ in 0..8 {
+        mantissa = (mantissa * mantissa) >> 15;
+        let bit = mantissa >> 16;
+        log = 2 * log + bit as i32;
+        mantissa >>= bit;
+    }
+    log
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn logarithms_are_within_a_256th() {
+        for value in 1..5000_u32 {
+            let exact = f64::from(value).log2() * 256.0;
+            assert!((f64::from(log2(value)) - exact).abs() <= 1.05, "{value}: {} {exact}", log2(value));
+        }
+    }
+}

@@ -1,0 +1,215 @@
+//! Which boxes are windows: those that do not overlap and score most together, and how sure each direction is.
+
+use super::boxes::{NAT, WindowBox};
+
+/// Evidence is clipped at this, 1/256 nat.
+pub(super) const MOST_EVIDENCE: i32 = 4 * NAT;
+/// No box.
+const NOBODY: u16 = u16::MAX;
+
+/// What is known of one column of the ring while windows are chosen. Columns count from the cut.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Column {
+    /// Best total score of boxes that end here or before.
+    before: i32,
+    /// Best total score of boxes that start here or after.
+    after: i32,
+    /// Best total score of a choice with a box over this column; then the evidence.
+    evidence: i32,
+    /// The box that ends here in the best choice before.
+    chosen: u16,
+    /// First box of the list of this column.
+    list: u16,
+}
+
+/// Chooses among `boxes` around the circle of `columns.len() - 1` columns.
+///
+/// The circle is cut where the boxes in favour weigh least; what crosses the cut is dropped. Then a dynamic program over
+/// columns finds the boxes of the largest total score. Returns the cut; [`chosen`] tells the boxes and
+/// [`evidence`] the log odds of a window at each column, in 1/256 nat.
+pub(super) fn choose(boxes: &mut [WindowBox], columns: &mut [Column]) -> usize {
+    let n = columns.len().saturating_sub(1);
+    let cut = cut(boxes, columns);
+    let place = |b: &WindowBox| {
+        let start = (usize::from(b.start) + n - cut) % n.max(1);
+        (start, start + b.width())
+    };
+    enlist(boxes, columns, |b| Some(place(b)).filter(|(_, end)| *end <= n).map(|(_, end)| end));
+    for column in 1..=n {
+        let (mut best, mut by) = (columns.get(column - 1).map_or(0, |c| c.before), NOBODY);
+        each(boxes, columns.get(column), |index, b| {
+            let score = columns.get(place(b).0).map_or(0, |c| c.before) + i32::from(b.score);
+            if score > best {
+                (best, by) = (score, index);
+            }
+        });
+        if let Some(c) = columns.get_mut(column) {
+            (c.before, c.chosen) = (best, by);
+        }
+    }
+    enlist(boxes, columns, |b| Some(place(b)).filter(|(_, end)| *end <= n).map(|(start, _)| start));
+    for column in (0..n).rev() {
+        let mut best = columns.get(column + 1).map_or(0, |c| c.after);
+        each(boxes, columns.get(column), |_, b| {
+            best = best.max(columns.get(place(b).1).map_or(0, |c| c.after) + i32::from(b.score));
+        });
+        if let Some(c) = columns.get_mut(column) {
+            c.after = best;
+        }
+    }
+    weigh(boxes, columns, place);
+    cut
+}
+
+/// The first of the columns that the positive scores of all boxes over it weigh least on.
+fn cut(boxes: &[WindowBox], columns: &mut [Column]) -> usize {
+    let n = columns.len().saturating_sub(1).max(1);
+    columns.fill(Column { chosen: NOBODY, ..Column::default() });
+    let mut weight = 0;
+    for b in boxes.iter().filter(|b| b.score > 0) {
+        let score = i32::from(b.score);
+        let (start, end) = (usize::from(b.start) % n, usize::from(b.start) % n + b.width());
+        weight += if end >= n { score } else { 0 };
+        for (column, change) in [(start, score), (end % n, -score)] {
+            if let Some(column) = columns.get_mut(column) {
+                column.evidence += change;
+            }
+        }
+    }
+    let mut least = (i32::MAX, 0);
+    for (index, column) in columns.iter_mut().take(n).enumerate() {
+        weight += column.evidence;
+        column.evidence = 0;
+        if weight < least.0 {
+            least = (weight, index);
+        }
+    }
+    least.1
+}
+
+/// Puts each box on the list of a column.
+fn enlist(boxes: &mut [WindowBox], columns: &mut [Column], of: impl Fn(&WindowBox) -> Option<usize>) {
+    columns.iter_mut().for_each(|column| column.list = NOBODY);
+    for (index, b) in (0_u16..).zip(boxes) {
+        if let Some(column) = of(b).and_then(|column| columns.get_mut(column)) {
+            b.next = column.list;
+            column.list = index;
+        }
+    }
+}
+
+fn each(boxes: &[WindowBox], column: Option<&Column>, mut visit: impl FnMut(u16, &WindowBox)) {
+    let mut index = column.map_or(NOBODY, |c| c.list);
+    while let Some(b) = boxes.get(usize::from(index)) {
+        visit(index, b);
+        index = b.next;
+    }
+}
+
+/// Max-marginal log odds: the best choice with a box over the column less the best without.
+fn weigh(boxes: &[WindowBox], columns: &mut [Column], place: impl Fn(&WindowBox) -> (usize, usize)) {
+    let n = columns.len().saturating_sub(1);
+    columns.iter_mut().for_each(|column| column.evidence = i32::MIN / 2);
+    for b in boxes {
+        let (start, end) = place(b);
+        if end > n {
+            continue;
+        }
+        let (before, after) =
+            (columns.get(start).map_or(0, |c| c.before), columns.get(end).map_or(0, |c| c.after));
+        let total = before + i32::from(b.score) + after;
+        for column in columns.get_mut(start..end).unwrap_or(&mut []) {
+            column.evidence = column.evidence.max(total);
+        }
+    }
+    for index in 0..n {
+        let after = columns.get(index + 1).map_or(0, |c| c.after);
+        if let Some(column) = columns.get_mut(index) {
+            let without = column.before + after;
+            column.evidence = (column.evidence - without).clamp(-MOST_EVIDENCE, MOST_EVIDENCE);
+        }
+    }
+}
+
+/// The boxes chosen, last first.
+pub(super) fn chosen<'a>(
+    boxes: &'a [WindowBox],
+    columns: &'a [Column],
+) -> impl Iterator<Item = &'a WindowBox> + 'a {
+    let mut column = columns.len().saturating_sub(1);
+    core::iter::from_fn(move || {
+        while column > 0 {
+            let found = boxes.get(usize::from(columns.get(column)?.chosen));
+            column -= found.map_or(1, WindowBox::width).clamp(1, column);
+            if found.is_some() {
+                return found;
+            }
+        }
+        None
+    })
+}
+
+/// The log odds of a window at a column of the ring, 1/256 nat.
+pub(super) fn evidence(columns: &[Column], cut: usize, column: usize) -> i32 {
+    let n = columns.len().saturating_sub(1).max(1);
+    columns.get((column + n - cut) % n).map_or(-MOST_EVIDENCE, |c| c.evidence)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use std::vec::Vec;
+
+    const N: u16 = 12;
+
+    fn boxed(start: u16, width: u16, score: i16) -> WindowBox {
+        WindowBox { start, end: start + width, score, ..WindowBox::default() }
+    }
+
+    fn overlap(a: &WindowBox, b: &WindowBox) -> bool {
+        let cells = |b: &WindowBox| (b.start..b.end).fold(0_u32, |bits, c| bits | 1 << (c % N));
+        cells(a) & cells(b) != 0
+    }
+
+    /// The best total of boxes that do not overlap and do not cross the cut, by trying all.
+    fn best(boxes: &[WindowBox]) -> i32 {
+        (0_u32..1 << boxes.len())
+            .filter_map(|set| {
+                let some: Vec<_> =
+                    boxes.iter().enumerate().filter(|(i, _)| set >> i & 1 == 1).map(|(_, b)| b).collect();
+                let apart = some.iter().enumerate().all(|(i, a)| some[..i].iter().all(|b| !overlap(a, b)));
+                apart.then(|| some.iter().map(|b| i32::from(b.score)).sum())
+            })
+            .max()
+            .unwrap_or(0)
+    }
+
+    proptest! {
+        #[test]
+        fn finds_the_best_choice(parts in proptest::collection::vec((0..N, 1_u16..6, -900_i16..900), 0..9)) {
+            let mut boxes: Vec<_> = parts.iter().map(|(s, w, v)| boxed(*s, *w, *v)).collect();
+            let mut columns = [Column::default(); N as usize + 1];
+            let cut = choose(&mut boxes, &mut columns) as u16;
+            let crosses = |b: &WindowBox| (b.start..b.end).skip(1).any(|c| c % N == cut);
+            let allowed: Vec<_> = boxes.iter().copied().filter(|b| !crosses(b)).collect();
+            let picked: Vec<_> = chosen(&boxes, &columns).copied().collect();
+            prop_assert_eq!(picked.iter().map(|b| i32::from(b.score)).sum::<i32>(), best(&allowed));
+            for (i, a) in picked.iter().enumerate() {
+                prop_assert!(picked[..i].iter().all(|b| !overlap(a, b)) && !crosses(a));
+            }
+            for column in 0..usize::from(N) {
+                let covers = |b: &&WindowBox| (b.start..b.end).any(|c| usize::from(c % N) == column);
+                let covered = picked.iter().any(|b| covers(&b));
+                let odds = evidence(&columns, usize::from(cut), column);
+                prop_assert!(if covered { odds >= 0 } else { odds <= 0 }, "{} {}", column, odds);
+                let without: Vec<_> = allowed.iter().copied().filter(|b| !covers(&b)).collect();
+                let with = allowed.iter().filter(covers).map(|b| {
+                    let rest: Vec<_> = allowed.iter().copied().filter(|o| !overlap(o, b)).collect();
+                    best(&rest) + i32::from(b.score)
+                }).max().unwrap_or(i32::MIN / 4);
+                prop_assert_eq!(odds, (with - best(&without)).clamp(-MOST_EVIDENCE, MOST_EVIDENCE));
+            }
+        }
+    }
+}

@@ -1,0 +1,138 @@
+//! The two planes that cues are measured on: brightness as a rank in the frame, and texture.
+
+use super::ring::{Resolution, TOP_DEG};
+
+/// Statistics come from this far above and below the horizon, degrees.
+const BAND_DEG: i32 = 15;
+/// Share of the cells of the band with less texture than what counts as full, in percent.
+const TEXTURE_PERCENT: u32 = 90;
+/// Full texture is at least this many gray levels: below is noise.
+const LEAST_TEXTURE: usize = 4;
+
+/// Turns the gray levels of a ring into ranks, 1 (darkest of the frame) to 255, 0 where nothing is known; and fills
+/// `texture` with the vertical gradient, 0 to 255 (as strong as a tenth of the frame has).
+pub(super) fn normalize(gray: &mut [u8], texture: &mut [u8], resolution: Resolution) {
+    let columns = resolution.columns();
+    erode(gray, texture, columns);
+    vertical_gradient(gray, texture, columns);
+    let band = band(resolution);
+    let mut levels = [0_u32; 256];
+    let mut gradients = [0_u32; 256];
+    let known = gray.get(band.clone()).unwrap_or(&[]).iter().zip(texture.get(band).unwrap_or(&[]));
+    for (level, gradient) in known.filter(|(level, _)| **level > 0) {
+        levels[usize::from(*level)] += 1;
+        gradients[usize::from(*gradient)] += 1;
+    }
+    let ranks = ranks(&levels);
+    gray.iter_mut().for_each(|level| *level = ranks[usize::from(*level)]);
+    let full = percentile(&gradients).max(LEAST_TEXTURE);
+    let shares: [u8; 256] = core::array::from_fn(|gradient| (255 * gradient / full).min(255) as u8);
+    texture.iter_mut().for_each(|gradient| *gradient = shares[usize::from(*gradient)]);
+}
+
+/// Cells of the rows that statistics come from.
+fn band(resolution: Resolution) -> core::ops::Range<usize> {
+    let row = |elevation: i32| (TOP_DEG - elevation) as usize * resolution.per_degree();
+    row(BAND_DEG) * resolution.columns()..row(-BAND_DEG) * resolution.columns()
+}
+
+/// Clears the cells beside unknown ones: what borders safety gear is still partly red. Uses `lost` as scratch.
+fn erode(gray: &mut [u8], lost: &mut [u8], columns: usize) {
+    lost.fill(0);
+    let mut above: &[u8] = &[];
+    for (row, lost) in gray.chunks_exact(columns).zip(lost.chunks_exact_mut(columns)) {
+        let neighbours = row.iter().skip(1).chain(row.first());
+        for ((lost, here), right) in lost.iter_mut().zip(row).zip(neighbours) {
+            *lost |= u8::from(*here == 0 || *right == 0);
+        }
+        for (lost, above) in lost.iter_mut().zip(above) {
+            *lost |= u8::from(*above == 0);
+        }
+        for (lost, left) in lost.iter_mut().skip(1).zip(row) {
+            *lost |= u8::from(*left == 0);
+        }
+        above = row;
+    }
+    let below = gray.chunks_exact(columns).skip(1);
+    for (lost, below) in lost.chunks_exact_mut(columns).zip(below) {
+        for (lost, below) in lost.iter_mut().zip(below) {
+            *lost |= u8::from(*below == 0);
+        }
+    }
+    for (level, lost) in gray.iter_mut().zip(lost) {
+        *level = if *lost == 0 { *level } else { 0 };
+    }
+}
+
+/// |level above - level below|; 0 where one of the three is unknown.
+fn vertical_gradient(gray: &[u8], texture: &mut [u8], columns: usize) {
+    texture.fill(0);
+    let rows = gray.chunks_exact(columns);
+    let triples = rows.clone().zip(rows.clone().skip(1)).zip(rows.skip(2));
+    for (out, ((above, here), below)) in texture.chunks_exact_mut(columns).skip(1).zip(triples) {
+        for (((out, above), here), below) in out.iter_mut().zip(above).zip(here).zip(below) {
+            let known = *above != 0 && *here != 0 && *below != 0;
+            *out = if known { above.abs_diff(*below) } else { 0 };
+        }
+    }
+}
+
+/// The middle rank of every gray level among those counted, 1 to 255; level 0 stays 0.
+fn ranks(counts: &[u32; 256]) -> [u8; 256] {
+    let total = counts.iter().sum::<u32>().max(1);
+    let mut below = 0;
+    let mut ranks = [0; 256];
+    for (rank, count) in ranks.iter_mut().zip(counts).skip(1) {
+        // Fewer than 2^20 cells: no overflow.
+        *rank = (1 + 254 * (2 * below + count) / (2 * total)) as u8;
+        below += count;
+    }
+    ranks
+}
+
+/// The value that [`TEXTURE_PERCENT`] of those counted do not exceed.
+fn percentile(counts: &[u32; 256]) -> usize {
+    let wanted = counts.iter().sum::<u32>() / 100 * TEXTURE_PERCENT;
+    let mut below = 0;
+    counts
+        .iter()
+        .position(|count| {
+            below += count;
+            below >= wanted
+        })
+        .unwrap_or(0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::vec;
+
+    #[test]
+    fn brightness_becomes_rank() {
+        let resolution = Resolution::COARSE;
+        let columns = resolution.columns();
+        // A quarter of all columns is bright, whatever its level.
+        for bright in [60, 120, 250] {
+            let mut gray: vec::Vec<u8> = (0..resolution.cells())
+                .map(|i| if i % columns < columns / 4 { bright } else { 40 })
+                .collect();
+            let mut texture = vec![9; gray.len()];
+            normalize(&mut gray, &mut texture, resolution);
+            assert_eq!((gray[0], gray[columns / 2]), (0, 0), "the border of the ring is next to the unknown");
+            let row = &gray[columns * 40..columns * 41];
+            assert_eq!((row[10], row[columns / 2]), (223, 96));
+            assert!(texture.iter().all(|t| *t == 0));
+        }
+    }
+
+    #[test]
+    fn unknown_cells_grow_by_one() {
+        let mut gray = vec![100; 7 * 5];
+        gray[2 * 7] = 0;
+        let mut lost = vec![0; 7 * 5];
+        erode(&mut gray, &mut lost, 7);
+        let zeros: vec::Vec<_> = (0..35).filter(|i| gray[*i] == 0).collect();
+        assert_eq!(zeros, [7, 14, 15, 20, 21]);
+    }
+}

@@ -1,0 +1,260 @@
+//! The ring: what both cameras see, as a panorama of azimuth and elevation levelled by the up vector.
+
+use crate::camera::{Bearing, Rig, View};
+use crate::raster::{BitMask, GrayImage, RgbImage, is_red};
+use nalgebra::{Matrix3, Vector3};
+
+/// Elevation of the upper border of row 0, degrees.
+pub const TOP_DEG: i32 = 35;
+/// Elevation of the lower border of the last row, degrees.
+pub const BOTTOM_DEG: i32 = -30;
+/// Bearings further than this from a camera's axis are left to nobody: cosine of 95 degrees.
+pub(super) const RIM_COS: f32 = -0.087_155_74;
+/// Distance, in metres, at which the baseline between the cameras is made good exactly. What stands
+/// elsewhere, at r metres, comes out by baseline |1/r - 1/6| radians aside at worst: 0.8 degrees at 2 m
+/// and 0.4 degrees far away for 40 mm, beside the camera, and nothing behind it.
+pub const NOMINAL_RANGE_M: f32 = 6.0;
+/// The projection is computed on a grid of this many degrees, and interpolated between.
+const GRID_DEG: usize = 2;
+/// Fraction bits of a position in the image.
+const SUBPIXEL: u32 = 8;
+
+/// Size of a ring's cells: their number in a degree, 1 to 4.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Resolution(u8);
+
+impl Resolution {
+    /// Quarters of a degree: for lenses of 4 pixels and more a degree.
+    pub const FINE: Self = Self(4);
+    /// Halves of a degree: for lenses of 2 pixels a degree.
+    pub const COARSE: Self = Self(2);
+
+    /// The resolution that does not ask more of a camera than its image holds.
+    #[must_use]
+    pub fn of(view: &View) -> Self {
+        let pixels_per_degree = view.camera.intrinsics().fx * (core::f32::consts::PI / 180.0);
+        if pixels_per_degree < 3.0 { Self::COARSE } else { Self::FINE }
+    }
+
+    /// Cells in a degree.
+    #[must_use]
+    pub const fn per_degree(self) -> usize {
+        self.0 as usize
+    }
+
+    /// Columns of a ring.
+    #[must_use]
+    pub const fn columns(self) -> usize {
+        360 * self.per_degree()
+    }
+
+    /// Rows of a ring.
+    #[must_use]
+    pub const fn rows(self) -> usize {
+        (TOP_DEG - BOTTOM_DEG) as usize * self.per_degree()
+    }
+
+    /// Cells of a ring.
+    #[must_use]
+    pub const fn cells(self) -> usize {
+        self.columns() * self.rows()
+    }
+}
+
+/// The level frame in camera 0: forward is its optical axis brought to the horizon.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Level {
+    /// Rows are forward, left and up, unit vectors in camera 0.
+    axes: Matrix3<f32>,
+}
+
+impl Level {
+    /// From the up vector in camera 0, of any length; `None` if it is not finite, zero, or along the
+    /// optical axis, which leaves no heading.
+    #[must_use]
+    pub fn new(up: &Bearing) -> Option<Self> {
+        let unit = |v: Vector3<f32>| {
+            let length = libm::sqrtf(v.dot(&v));
+            (length.is_finite() && length > 1e-3).then(|| v / length)
+        };
+        let up = unit(*up)?;
+        let axis = Vector3::z();
+        let forward = unit(axis - up * up.z)?;
+        let left = up.cross(&forward);
+        Some(Self { axes: Matrix3::from_rows(&[forward.transpose(), left.transpose(), up.transpose()]) })
+    }
+
+    /// The up vector in camera 0.
+    #[must_use]
+    pub fn up(&self) -> Bearing {
+        self.axes.row(2).transpose()
+    }
+
+    /// The unit vector in camera 0 at an azimuth (counter-clockwise seen from above) and elevation, radians.
+    #[must_use]
+    pub fn bearing(&self, azimuth: f32, elevation: f32) -> Bearing {
+        let ((sin_a, cos_a), (sin_e, cos_e)) = (libm::sincosf(azimuth), libm::sincosf(elevation));
+        self.axes.tr_mul(&Vector3::new(cos_e * cos_a, cos_e * sin_a, sin_e))
+    }
+
+    /// Azimuth and elevation, radians, of a unit vector in camera 0.
+    #[must_use]
+    pub fn direction(&self, bearing: &Bearing) -> (f32, f32) {
+        let level = self.axes * bearing;
+        (libm::atan2f(level.y, level.x), libm::asinf(level.z.clamp(-1.0, 1.0)))
+    }
+}
+
+/// Where red is, for what is to be left out as safety gear.
+#[derive(Debug, Clone, Copy)]
+pub enum Red<'a> {
+    /// Not known: nothing is left out.
+    Unknown,
+    /// Judged by [`is_red`] from the colours of the image.
+    Colours(RgbImage<'a>),
+    /// Set where the image is red.
+    Mask(BitMask<'a>),
+}
+
+impl Red<'_> {
+    #[inline]
+    fn at(&self, x: u32, y: u32) -> bool {
+        match self {
+            Self::Unknown => false,
+            Self::Colours(image) => is_red(image.pixel(x, y)),
+            Self::Mask(mask) => mask.get(x, y),
+        }
+    }
+}
+
+/// Where bearings of the level frame fall in one camera's image.
+struct Projector<'a> {
+    view: &'a View,
+    rival: Option<&'a View>,
+    level: Level,
+}
+
+/// A point of the projection grid: position in 1/256 px, and how much nearer to this camera's axis than to the
+/// other's it is (cosines times 2^14).
+#[derive(Clone, Copy, Default)]
+struct Node {
+    x: i32,
+    y: i32,
+    lead: i32,
+    usable: bool,
+}
+
+impl Projector<'_> {
+    fn node(&self, azimuth: f32, elevation: f32) -> Node {
+        let bearing = self.level.bearing(azimuth, elevation);
+        let seen_from = |view: &View| -> Bearing {
+            let b = view.rotation.tr_mul(&(bearing * NOMINAL_RANGE_M - view.position));
+            b / libm::sqrtf(b.dot(&b))
+        };
+        let mine = seen_from(self.view);
+        let lead = self.rival.map_or(1.0, |rival| mine.z - seen_from(rival).z);
+        let pixel = self.view.camera.project(&mine).filter(|_| mine.z > RIM_COS - 0.05);
+        let scale = (1 << SUBPIXEL) as f32;
+        let fixed = |v: f32| (v.clamp(-30_000.0, 30_000.0) * scale) as i32;
+        Node {
+            x: pixel.map_or(0, |p| fixed(p.x)),
+            y: pixel.map_or(0, |p| fixed(p.y)),
+            // Leaving the rim of the field counts as losing to the other camera.
+            lead: (lead.min((mine.z - RIM_COS) * 8.0) * 16_384.0) as i32,
+            usable: pixel.is_some(),
+        }
+    }
+}
+
+/// Draws what one camera sees into the ring: gray levels 1 to 255; cells that it does not see, or where safety
+/// gear is, are left as they are.
+///
+/// The camera nearest to a bearing by its axis has it; `rig` must therefore hold those that are in use.
+pub(super) fn draw(
+    cells: &mut [u8],
+    resolution: Resolution,
+    rig: &Rig,
+    camera: usize,
+    level: Level,
+    (image, red): (&GrayImage<'_>, Red<'_>),
+) {
+    let Some(view) = rig.view(camera) else { return };
+    let projector = Projector { view, rival: rig.view(1 - camera.min(1)), level };
+    let radians = |deg: usize| deg as f32 * (core::f32::consts::PI / 180.0);
+    let elevation = |row: usize| radians(TOP_DEG as usize) - radians(row * GRID_DEG);
+    let azimuth = |column: usize| core::f32::consts::PI - radians(column * GRID_DEG);
+    let rows = ((TOP_DEG - BOTTOM_DEG) as usize).div_ceil(GRID_DEG);
+    for column in 0..360 / GRID_DEG {
+        let side = |row: usize| {
+            [
+                projector.node(azimuth(column), elevation(row)),
+                projector.node(azimuth(column + 1), elevation(row)),
+            ]
+        };
+        let mut above = side(0);
+        for row in 0..rows {
+            let below = side(row + 1);
+            let nodes = [above, below];
+            if nodes.iter().flatten().all(|n| n.usable) && nodes.iter().flatten().any(|n| n.lead > 0) {
+                draw_patch(cells, resolution, (column, row), &nodes, image, red);
+            }
+            above = below;
+        }
+    }
+}
+
+/// Draws the cells between four nodes.
+fn draw_patch(
+    cells: &mut [u8],
+    resolution: Resolution,
+    (column, row): (usize, usize),
+    [[a, b], [c, d]]: &[[Node; 2]; 2],
+    image: &GrayImage<'_>,
+    red: Red<'_>,
+) {
+    let side = GRID_DEG * resolution.per_degree();
+    let twice = 2 * side as i32;
+    for v in 0..side {
+        let y = row * side + v;
+        if y >= resolution.rows() {
+            return;
+        }
+        let start = y * resolution.columns() + column * side;
+        let Some(cells) = cells.get_mut(start..start + side) else { return };
+        // Cell centres lie at odd halves of cells.
+        let wy = 2 * v as i32 + 1;
+        let blend = |top: i32, bottom: i32| top * (twice - wy) + bottom * wy;
+        let left = [blend(a.x, c.x), blend(a.y, c.y), blend(a.lead, c.lead)];
+        let right = [blend(b.x, d.x), blend(b.y, d.y), blend(b.lead, d.lead)];
+        for (u, cell) in cells.iter_mut().enumerate() {
+            let wx = 2 * u as i32 + 1;
+            let at = |k: usize| (left[k] / twice * (twice - wx) + right[k] / twice * wx) / twice;
+            if at(2) > 0 {
+                let (x, y) = (at(0), at(1));
+                *cell = look(image, red, x, y);
+            }
+        }
+    }
+}
+
+/// The gray level at a position, 1 to 255; 0 outside the image by less than a pixel of margin, or on red.
+#[inline(always)]
+fn look(image: &GrayImage<'_>, red: Red<'_>, x: i32, y: i32) -> u8 {
+    let (column, row) = (x >> SUBPIXEL, y >> SUBPIXEL);
+    if column < 1 || row < 1 || column + 2 >= image.width() as i32 || row + 2 >= image.height() as i32 {
+        return 0;
+    }
+    let start = row as usize * image.width() as usize + column as usize;
+    let pixels = image.pixels();
+    let pair = |start: usize| {
+        let pair = pixels.get(start..start + 2).unwrap_or(&[0, 0]);
+        (i32::from(pair[0]), i32::from(pair[1]))
+    };
+    let ((a, b), (c, d)) = (pair(start), pair(start + image.width() as usize));
+    let (wx, wy) = (x & 0xff, y & 0xff);
+    let top = a * (256 - wx) + b * wx;
+    let bottom = c * (256 - wx) + d * wx;
+    let gray = (top * (256 - wy) + bottom * wy + (1 << 15)) >> 16;
+    if red.at(column as u32, row as u32) { 0 } else { gray.clamp(1, 255) as u8 }
+}
