@@ -88,8 +88,9 @@ impl Camera {
         if radius == 0.0 {
             return Some([0.0, 0.0, 1.0]);
         }
-        // Written so that NaN is refused as well.
-        if !(radius <= self.model.radius(limit)) {
+        // NaN lies nowhere.
+        let within = radius <= self.model.radius(limit);
+        if !within {
             return None;
         }
         let (mut low, mut high) = (0.0, limit);
