@@ -88,6 +88,18 @@ impl SegmentDetector {
         }
     }
 
+    /// The segments of the last detection.
+    #[must_use]
+    pub fn segments(&self, detected: &Detected) -> &[Segment] {
+        &self.found[..detected.count.min(self.found.len())]
+    }
+
+    /// The smoothed image of the last detection, which was of `image`.
+    #[must_use]
+    pub fn smoothed<'a>(&'a self, image: &GrayImage<'a>) -> GrayImage<'a> {
+        GrayImage::new(&self.smoothed, image.width(), image.height()).unwrap_or(*image)
+    }
+
     /// Finds the segments of an image. Nothing is allocated.
     ///
     /// # Errors

@@ -4,6 +4,7 @@
 pub mod calibration;
 pub mod commands;
 pub mod compare;
+pub mod eyes;
 pub mod figures;
 pub mod frame;
 pub mod image_file;

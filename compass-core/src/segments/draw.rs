@@ -192,7 +192,7 @@ impl<'a, 'out> Drawing<'a, 'out> {
     /// Draws a branch, its seeds on the trail, and all that continue it; returns the first pixels of the first.
     fn tree(&mut self, root: Walker) -> Vec<u32, BACK_SEEDS> {
         self.branch(root);
-        let first = self.trail.iter().take(BACK_SEEDS).map(Position::packed).collect();
+        let first = self.trail.iter().take(self.parameters.window() - 1).map(Position::packed).collect();
         while let Some(branch) = self.branches.pop() {
             self.trail.len = 0;
             for seed in &branch.seeds {
@@ -216,6 +216,7 @@ impl<'a, 'out> Drawing<'a, 'out> {
         let mut start = 0;
         self.trail.iter().for_each(|p| window.add(p));
         let mut vertical = walker.dy != 0;
+        let length = self.parameters.window();
         // Seeds never fill a window, so the first test comes after at least one step.
         while self.steps_left > 0 {
             self.steps_left -= 1;
@@ -225,18 +226,18 @@ impl<'a, 'out> Drawing<'a, 'out> {
             }
             vertical = is_vertical(cell);
             if self.trail.len == self.trail.pixels.len() {
-                self.trail.keep_last(WINDOW);
-                start = self.trail.len.saturating_sub(self.trail.len.min(WINDOW));
+                self.trail.keep_last(length - 1);
+                start = 0;
                 window = Window::default();
                 self.trail.iter().for_each(|p| window.add(p));
             }
             self.trail.push(walker.at);
             self.cells.label(walker.at, EDGE);
             window.add(walker.at);
-            if self.trail.len - start == WINDOW {
+            if self.trail.len - start == length {
                 let (first, last) = (self.trail.get(start), walker.at);
                 let steep = (last.x - first.x).abs() < (last.y - first.y).abs();
-                if window.is_line(steep) {
+                if window.is_line(length, steep) {
                     return Some(self.found_line(start, steep));
                 }
                 for i in start..start + SLIDE {

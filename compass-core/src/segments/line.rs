@@ -2,8 +2,9 @@
 
 use super::walk::Position;
 
-/// Pixels of the first fit of a line.
+/// Most and fewest pixels of the first fit of a line.
 pub(super) const WINDOW: usize = 15;
+pub(super) const LEAST_WINDOW: usize = 8;
 /// A window is a line if the mean squared distance of its pixels is below a fifth of a square pixel.
 const WINDOW_ERROR_INVERSE: i64 = 5;
 /// A line takes pixels nearer than 1.5 px; here the square, in 1/65536 px^2.
@@ -41,10 +42,10 @@ impl Window {
         self.yy = self.yy.wrapping_add(sign.wrapping_mul(p.y * p.y));
     }
 
-    /// Whether the [`WINDOW`] pixels summed up lie on a line, regressed on x or, if `steep`, on y.
+    /// Whether the `n` pixels summed up, at most [`WINDOW`], lie on a line, regressed on x or, if `steep`, on y.
     #[inline(always)]
-    pub(super) fn is_line(&self, steep: bool) -> bool {
-        let n = WINDOW as i32;
+    pub(super) fn is_line(&self, n: usize, steep: bool) -> bool {
+        let n = n as i32;
         let central =
             |product: i32, a: i32, b: i32| i64::from(n.wrapping_mul(product).wrapping_sub(a.wrapping_mul(b)));
         let (xx, yy) = (central(self.xx, self.x, self.x), central(self.yy, self.y, self.y));

@@ -23,7 +23,6 @@ mod walk;
 
 use crate::raster::{BitMask, GrayImage};
 use core::fmt;
-pub use smooth::KERNEL;
 
 /// A line segment, in pixels; pixel centres are at integers, x to the right, y down.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -48,6 +47,9 @@ pub struct Parameters {
     pub gradient_threshold: u16,
     /// How much an anchor's magnitude must exceed those of its neighbours across the edge, 0 to 2040.
     pub anchor_threshold: u16,
+    /// Pixels of the first fit of a line, 8 to 15: segments are about as long at least. Small images need
+    /// small windows.
+    pub min_length: u8,
     /// Whether lines jump gaps of up to 9 pixels.
     pub jump: bool,
     /// Whether segments whose gradients point elsewhere are dropped.
@@ -56,7 +58,13 @@ pub struct Parameters {
 
 impl Default for Parameters {
     fn default() -> Self {
-        Self { gradient_threshold: 30, anchor_threshold: 8, jump: true, validate: true }
+        Self { gradient_threshold: 30, anchor_threshold: 8, min_length: 15, jump: true, validate: true }
+    }
+}
+
+impl Parameters {
+    fn window(&self) -> usize {
+        usize::from(self.min_length).clamp(line::LEAST_WINDOW, line::WINDOW)
     }
 }
 

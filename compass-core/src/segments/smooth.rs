@@ -3,7 +3,7 @@
 use crate::raster::GrayImage;
 
 /// Weights of one axis in 1/256: a Gaussian of sigma 1.
-pub const KERNEL: [u16; 5] = [14, 62, 104, 62, 14];
+const KERNEL: [u16; 5] = [14, 62, 104, 62, 14];
 
 /// Smooths row `y` of `image` into `out`, the border mirrored without repeating the edge pixel.
 ///

@@ -1,5 +1,6 @@
 //! The subcommands, one file each.
 
+mod cameras;
 mod compare;
 mod demo;
 mod describe;
@@ -7,7 +8,9 @@ mod localize;
 mod map;
 mod pictures;
 mod plan;
+mod see;
 mod segments;
+mod windows;
 
 use clap::{Parser, Subcommand};
 
@@ -34,6 +37,10 @@ enum Command {
     Compare(compare::Compare),
     /// Find the line segments of an image
     Segments(segments::Segments),
+    /// Find the windows in one camera's frame
+    Windows(windows::Windows),
+    /// Tell window from wall in every direction from one or two cameras
+    See(see::See),
 }
 
 /// What the work came to; its exit status is 0 or 1.
@@ -58,6 +65,8 @@ impl Cli {
             Command::Localize(command) => command.run(),
             Command::Compare(command) => command.run(),
             Command::Segments(command) => command.run(),
+            Command::Windows(command) => command.run(),
+            Command::See(command) => command.run(),
         }
     }
 }

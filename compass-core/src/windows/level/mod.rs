@@ -21,7 +21,7 @@ use crate::camera::{Pixel, Rig};
 use crate::num::BINS;
 use crate::raster::GrayImage;
 use crate::scan::Hit;
-use crate::segments::Segment;
+use crate::segments::{Parameters, Segment};
 use crate::similarity::Confidence;
 use boxes::{LEAST_SCORE, Planes, WIDEST_DEG};
 use edges::{Edge, FINE, MAX_EDGES};
@@ -94,7 +94,7 @@ pub struct Sighting {
     /// Window or wall of bin j, heading + j degrees counter-clockwise. What is not seen says wall, with confidence 0.
     pub hit: [Hit; BINS],
     /// How sure that is: 0 for what neither camera sees, or safety gear hides.
-    pub confidence: [Confidence; BINS],
+    pub confidence: Confidence,
     /// Log odds of a window in each bin, 1/256 nat, within -4 to 4 nats; 0 where nothing is seen.
     pub evidence: [i16; BINS],
 }
@@ -155,9 +155,10 @@ impl<'a, 'r> Finder<'a, 'r> {
             count: 0,
             truncated: self.truncated,
             hit: [Hit::Wall; BINS],
-            confidence: [Confidence::NONE; BINS],
+            confidence: Confidence::new(&[0; BINS]),
             evidence: [0; BINS],
         };
+        let mut confidence = [0; BINS];
         let mut covered = Covered::default();
         for b in choose::chosen(boxes, self.buffers.columns) {
             covered.add(b, self.resolution);
@@ -170,11 +171,27 @@ impl<'a, 'r> Finder<'a, 'r> {
             }
         }
         windows.get_mut(..sighting.count).unwrap_or(&mut []).reverse();
-        for bin in 0..BINS {
-            judge(&mut sighting, bin, &planes, &covered, (self.buffers.columns, cut));
+        let bins = sighting.hit.iter_mut().zip(&mut sighting.evidence).zip(&mut confidence);
+        for (bin, ((hit, evidence), confidence)) in bins.enumerate() {
+            if let Some((judged, odds)) = judge(bin, &planes, &covered, (self.buffers.columns, cut)) {
+                *hit = judged;
+                *evidence = odds as i16;
+                *confidence = sureness(odds);
+            }
         }
+        sighting.confidence = Confidence::new(&confidence);
         sighting
     }
+}
+
+/// What to look for when detecting the segments of a view: faint edges too, and short ones if the image is small.
+#[must_use]
+pub fn segment_parameters(view: &crate::camera::View) -> Parameters {
+    let usual = Parameters { gradient_threshold: 20, anchor_threshold: 4, ..Parameters::default() };
+    if Resolution::of(view) == Resolution::COARSE {
+        return Parameters { min_length: 8, ..usual };
+    }
+    usual
 }
 
 /// Whether a ring at this resolution skips pixels of the view's image, so that it is to be drawn from the smoothed one.
@@ -300,14 +317,13 @@ impl Covered {
     }
 }
 
-/// Hit type, confidence and evidence of one bin, from the columns within half a degree of it.
+/// Hit type and log odds of one bin, from the columns within half a degree of it; `None` if it is not seen.
 fn judge(
-    sighting: &mut Sighting,
     bin: usize,
     planes: &Planes<'_>,
     covered: &Covered,
     (columns, cut): (&[Column], usize),
-) {
+) -> Option<(Hit, i32)> {
     let per_degree = planes.resolution.per_degree();
     let first = (180 + BINS - bin) * per_degree - per_degree / 2;
     let of_bin = (first..first + per_degree).map(|column| column % planes.resolution.columns());
@@ -319,24 +335,15 @@ fn judge(
         odds += choose::evidence(columns, cut, column);
     }
     let odds = odds / per_degree as i32;
-    let window = 2 * windows >= per_degree;
-    if !window && 2 * seen < per_degree {
-        return;
+    if 2 * windows >= per_degree {
+        return Some((Hit::Window, odds));
     }
-    if let (Some(hit), Some(confidence), Some(evidence)) =
-        (sighting.hit.get_mut(bin), sighting.confidence.get_mut(bin), sighting.evidence.get_mut(bin))
-    {
-        *hit = if window { Hit::Window } else { Hit::Wall };
-        *confidence = sureness(odds);
-        *evidence = odds as i16;
-    }
+    (2 * seen >= per_degree).then_some((Hit::Wall, odds))
 }
 
-/// tanh of half the log odds, by which the likelier of the two exceeds the other; at least 1/16.
-fn sureness(odds: i32) -> Confidence {
-    /// Log odds in 1/256 nat from which the share is 2/16, 3/16 ... 15/16.
-    const STEPS: [u32; 14] = [48, 97, 146, 197, 249, 304, 363, 425, 494, 571, 661, 772, 920, 1159];
-    Confidence::from_sixteenths(
-        1 + STEPS.iter().filter(|step| odds.unsigned_abs() * 2 >= **step * 2).count() as u8,
-    )
+/// tanh of half the log odds, in sixteenths, at least 1: by how much the likelier hit type exceeds the other.
+fn sureness(odds: i32) -> u8 {
+    /// Log odds in 1/256 nat from which the share rounds to 2/16, 3/16 ... 16/16.
+    const STEPS: [u32; 15] = [48, 81, 114, 148, 183, 221, 260, 303, 350, 403, 463, 537, 632, 771, 1061];
+    1 + STEPS.iter().filter(|step| odds.unsigned_abs() >= **step).count() as u8
 }

@@ -1,0 +1,76 @@
+//! The options that every command with camera frames shares.
+
+use super::plan::finite;
+use crate::calibration::Calibration;
+use crate::eyes::Eyes;
+use crate::frame::Frame;
+use anyhow::{Result, bail};
+use compass_core::camera::Bearing;
+use std::path::PathBuf;
+
+/// A calibration and the frames of one or two cameras.
+#[derive(Debug, Clone, clap::Args)]
+pub(super) struct CameraArgs {
+    /// Camera calibration: a Kalibr camera-imu chain .yaml
+    #[arg(long, value_name = "FILE")]
+    calib: PathBuf,
+    /// Frame of cam0
+    #[arg(long, value_name = "IMAGE")]
+    cam0: Option<PathBuf>,
+    /// Frame of cam1
+    #[arg(long, value_name = "IMAGE")]
+    cam1: Option<PathBuf>,
+    #[command(flatten)]
+    up: UpArg,
+}
+
+/// The up vector, if it is given.
+#[derive(Debug, Clone, clap::Args)]
+pub(super) struct UpArg {
+    /// Up vector in the axes of cam0 (x right, y down, z forward) [default: the image's own vertical]
+    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
+    up: Option<[f64; 3]>,
+}
+
+impl UpArg {
+    pub(super) fn given(&self) -> Option<Bearing> {
+        self.up.map(|[x, y, z]| Bearing::new(x as f32, y as f32, z as f32))
+    }
+}
+
+/// Frames, and the eyes for them.
+pub(super) struct Cameras {
+    pub(super) frames: [Option<Frame>; 2],
+    pub(super) eyes: Eyes,
+    pub(super) up: Option<Bearing>,
+}
+
+impl CameraArgs {
+    /// Reads the calibration and the frames.
+    pub(super) fn load(&self) -> Result<Cameras> {
+        let paths = [&self.cam0, &self.cam1];
+        if paths.iter().all(|path| path.is_none()) {
+            bail!("no frame: name one with --cam0 IMAGE, --cam1 IMAGE or both");
+        }
+        let calibration = Calibration::load(&self.calib)?;
+        let [cam0, cam1] = paths.map(|path| path.as_ref().map(|path| Frame::read(path)).transpose());
+        let frames = [cam0?, cam1?];
+        let rig = calibration.rig(frames.each_ref().map(|f| f.as_ref().map(|f| (f.width(), f.height()))))?;
+        Ok(Cameras { frames, eyes: Eyes::new(rig), up: self.up.given() })
+    }
+}
+
+impl Cameras {
+    pub(super) fn frames(&self) -> [Option<&Frame>; 2] {
+        self.frames.each_ref().map(Option::as_ref)
+    }
+}
+
+/// Three finite numbers that are not all zero, `X,Y,Z`.
+pub(super) fn vector(text: &str) -> Result<[f64; 3], String> {
+    let parts: Vec<_> = text.split(',').map(|part| finite(part.trim())).collect();
+    match parts[..] {
+        [Ok(x), Ok(y), Ok(z)] if x.hypot(y).hypot(z) > 1e-6 => Ok([x, y, z]),
+        _ => Err(format!("'{text}' is not a vector X,Y,Z")),
+    }
+}

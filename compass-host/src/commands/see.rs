@@ -1,0 +1,136 @@
+//! `compass see`: what the cameras see in every direction.
+
+use super::Outcome;
+use super::cameras::CameraArgs;
+use crate::eyes::Eyes;
+use crate::output::{Decimal, JsonOption, decimals};
+use anyhow::Result;
+use compass_core::scan::Hit;
+use compass_core::windows::level::{Level, Window, image_box};
+use serde::Serialize;
+use std::fmt;
+use std::fmt::Write as _;
+
+#[derive(Debug, clap::Args)]
+pub(super) struct See {
+    #[command(flatten)]
+    cameras: CameraArgs,
+    #[command(flatten)]
+    json: JsonOption,
+}
+
+/// A window as it is reported.
+#[derive(Debug, Serialize)]
+pub(super) struct WindowOutput {
+    camera: &'static str,
+    #[serde(rename = "box")]
+    pixels: Option<[Decimal; 4]>,
+    azimuth_deg: [Decimal; 2],
+    elevation_deg: [Decimal; 2],
+    /// Log odds that it is a window, nats.
+    score: Decimal,
+}
+
+impl WindowOutput {
+    pub(super) fn new(window: &Window, eyes: &Eyes, level: &Level) -> Self {
+        let resolution = eyes.resolution();
+        let degrees = |pair: [f32; 2]| pair.map(|v| Decimal(f64::from(v)));
+        Self {
+            camera: if window.camera == 0 { "cam0" } else { "cam1" },
+            pixels: image_box(window, eyes.rig(), level, resolution)
+                .map(|b| b.map(|v| Decimal(f64::from(v)))),
+            azimuth_deg: degrees(window.azimuth_deg(resolution)),
+            elevation_deg: degrees(window.elevation_deg(resolution)),
+            score: Decimal(f64::from(window.score) / 256.0),
+        }
+    }
+}
+
+impl fmt::Display for WindowOutput {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [from, to] = self.azimuth_deg.map(|v| v.0);
+        let [sill, lintel] = self.elevation_deg.map(|v| v.0);
+        write!(
+            f,
+            "{}: azimuth {from:7.2} to {to:7.2}, elevation {sill:6.2} to {lintel:6.2}, score {:5.2}",
+            self.camera, self.score.0
+        )
+    }
+}
+
+/// Name of a hit type; `null` where nothing is known.
+pub(super) fn hit_name(hit: Hit, sixteenths: u8) -> Option<&'static str> {
+    (sixteenths > 0).then_some(match hit {
+        Hit::Wall => "wall",
+        Hit::Window => "window",
+        Hit::Open => "open",
+    })
+}
+
+#[derive(Debug, Serialize)]
+struct Output {
+    hit: Vec<Option<&'static str>>,
+    confidence: Vec<Decimal>,
+    /// Log odds of a window, nats.
+    evidence: Vec<Decimal>,
+    up_in_cam0: Vec<Decimal>,
+    windows: Vec<WindowOutput>,
+    truncated: bool,
+    /// By stage.
+    milliseconds: Milliseconds,
+}
+
+#[derive(Debug, Serialize)]
+struct Milliseconds {
+    segments: Decimal,
+    windows: Decimal,
+}
+
+impl See {
+    pub(super) fn run(&self) -> Result<Outcome> {
+        let mut cameras = self.cameras.load()?;
+        let start = std::time::Instant::now();
+        let frames = cameras.frames.each_ref().map(Option::as_ref);
+        cameras.eyes.detect(frames)?;
+        let detected = start.elapsed();
+        let up = cameras.eyes.up(cameras.up);
+        let start = std::time::Instant::now();
+        let seen = cameras.eyes.windows(frames, &up)?;
+        let found = start.elapsed();
+        let (sighting, level, windows) = (seen.sighting.clone(), seen.level, seen.windows.to_vec());
+        let windows: Vec<_> = windows.iter().map(|w| WindowOutput::new(w, &cameras.eyes, &level)).collect();
+        let sixteenths = sighting.confidence.sixteenths();
+        let up = level.up();
+        let output = Output {
+            hit: sighting.hit.iter().zip(sixteenths).map(|(hit, c)| hit_name(*hit, *c)).collect(),
+            confidence: decimals(sixteenths.iter().map(|c| f64::from(*c) / 16.0)),
+            evidence: decimals(sighting.evidence.iter().map(|e| f64::from(*e) / 256.0)),
+            up_in_cam0: decimals([up.x, up.y, up.z].map(f64::from)),
+            windows,
+            truncated: sighting.truncated,
+            milliseconds: Milliseconds {
+                segments: Decimal(detected.as_secs_f64() * 1e3),
+                windows: Decimal(found.as_secs_f64() * 1e3),
+            },
+        };
+        self.json.emit(&output, &summary(&output))?;
+        Ok(Outcome::Done)
+    }
+}
+
+fn summary(output: &Output) -> String {
+    let bins = |name: Option<&str>| output.hit.iter().filter(|hit| **hit == name).count();
+    let mut text = format!(
+        "{} windows; of 360 directions {} window, {} wall, {} unknown\n",
+        output.windows.len(),
+        bins(Some("window")),
+        bins(Some("wall")),
+        bins(None)
+    );
+    for window in &output.windows {
+        let _ = writeln!(text, "{window}");
+    }
+    let Milliseconds { segments, windows } = &output.milliseconds;
+    let _ = writeln!(text, "segments {:.1} ms, windows {:.1} ms", segments.0, windows.0);
+    text
+}

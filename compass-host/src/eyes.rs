@@ -1,0 +1,197 @@
+//! From camera frames to window or wall in every direction: the core's steps with their buffers.
+
+use crate::frame::{Frame, SegmentDetector};
+use compass_core::camera::{Bearing, Rig, View};
+use compass_core::raster::{BitMask, GrayImage, RgbImage};
+use compass_core::segments::{Detected, Parameters, Segment, SegmentsError};
+use compass_core::windows::level::{
+    self, Buffers, Column, Finder, Level, MAX_BOXES, MAX_UPRIGHTS, Red, Resolution, Sighting, Upright,
+    Window, WindowBox,
+};
+use thiserror::Error;
+
+/// Segments are sought this far from the optical axis, radians (95 degrees).
+const FIELD: f32 = 95.0 * std::f32::consts::PI / 180.0;
+/// Pixels next to the rim that its gradient reaches.
+const RIM_PX: f32 = 3.0;
+/// Most windows of a pair of frames.
+const MAX_WINDOWS: usize = 256;
+
+/// Why nothing could be seen.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum EyesError {
+    /// The up vector leaves no heading.
+    #[error("the up vector lies along the optical axis of cam0, or is no vector: it leaves no heading")]
+    Up,
+    /// The detector refused the image.
+    #[error("cam{camera}: {source}")]
+    Segments {
+        /// Which camera.
+        camera: usize,
+        /// What the detector said.
+        source: SegmentsError,
+    },
+}
+
+/// One camera's detector, mask and last result.
+#[derive(Debug)]
+struct Eye {
+    detector: SegmentDetector,
+    mask: Vec<u8>,
+    view: View,
+    parameters: Parameters,
+    detected: Detected,
+}
+
+/// The eyes of a rig, with all buffers: made once, used for every pair of frames without allocating.
+#[derive(Debug)]
+pub struct Eyes {
+    rig: Rig,
+    resolution: Resolution,
+    eyes: [Option<Eye>; 2],
+    gray: Vec<u8>,
+    texture: Vec<u8>,
+    columns: Vec<Column>,
+    uprights: Vec<Upright>,
+    boxes: Vec<WindowBox>,
+    windows: Vec<Window>,
+}
+
+/// What was seen in a pair of frames.
+#[derive(Debug)]
+pub struct Seen<'a> {
+    /// Window or wall in every direction.
+    pub sighting: Sighting,
+    /// The windows, around the circle.
+    pub windows: &'a [Window],
+    /// The level frame they are in.
+    pub level: Level,
+}
+
+impl Eyes {
+    /// Buffers for the cameras of a rig.
+    #[must_use]
+    pub fn new(rig: Rig) -> Self {
+        let resolution = rig.views().map(|(_, view)| Resolution::of(view)).min_by_key(|r| r.per_degree());
+        let resolution = resolution.unwrap_or(Resolution::COARSE);
+        let eyes = [0, 1].map(|camera| rig.view(camera).map(Eye::new));
+        Self {
+            rig,
+            resolution,
+            eyes,
+            gray: vec![0; resolution.cells()],
+            texture: vec![0; resolution.cells()],
+            columns: vec![Column::default(); resolution.columns() + 1],
+            uprights: vec![Upright::default(); 4 * MAX_UPRIGHTS],
+            boxes: vec![WindowBox::default(); 4 * MAX_BOXES],
+            windows: vec![Window::default(); MAX_WINDOWS],
+        }
+    }
+
+    /// The rig.
+    #[must_use]
+    pub const fn rig(&self) -> &Rig {
+        &self.rig
+    }
+
+    /// Size of the cells that windows count in.
+    #[must_use]
+    pub const fn resolution(&self) -> Resolution {
+        self.resolution
+    }
+
+    /// Finds the segments of the frames of cam0 and cam1; a missing frame has none.
+    ///
+    /// # Errors
+    /// [`EyesError::Segments`] for a frame larger than its camera's images.
+    pub fn detect(&mut self, frames: [Option<&Frame>; 2]) -> Result<(), EyesError> {
+        for (camera, (eye, frame)) in self.eyes.iter_mut().zip(frames).enumerate() {
+            if let Some((eye, frame)) = eye.as_mut().zip(frame) {
+                let bits = BitMask::new(&eye.mask, u32::from(eye.view.width), u32::from(eye.view.height));
+                let (_, detected) = eye
+                    .detector
+                    .detect(&frame.gray(), bits.ok().as_ref(), &eye.parameters)
+                    .map_err(|source| EyesError::Segments { camera, source })?;
+                eye.detected = detected;
+            }
+        }
+        Ok(())
+    }
+
+    /// The segments of the last detection.
+    #[must_use]
+    pub fn segments(&self, camera: usize) -> &[Segment] {
+        self.eyes.get(camera).and_then(Option::as_ref).map_or(&[], |eye| eye.detector.segments(&eye.detected))
+    }
+
+    /// Finds the windows of frames whose segments were just detected.
+    ///
+    /// # Errors
+    /// [`EyesError::Up`].
+    pub fn windows(&mut self, frames: [Option<&Frame>; 2], up: &Bearing) -> Result<Seen<'_>, EyesError> {
+        let level = Level::new(up).ok_or(EyesError::Up)?;
+        let buffers = Buffers {
+            gray: &mut self.gray,
+            texture: &mut self.texture,
+            columns: &mut self.columns,
+            uprights: &mut self.uprights,
+            boxes: &mut self.boxes,
+        };
+        let mut finder = Finder::new(buffers, self.resolution, &self.rig, level).ok_or(EyesError::Up)?;
+        for (camera, (eye, frame)) in self.eyes.iter().zip(frames).enumerate() {
+            let Some((eye, frame)) = eye.as_ref().zip(frame) else { continue };
+            let smoothed = level::wants_smoothed(&eye.view, self.resolution);
+            let image = if smoothed { eye.detector.smoothed(&frame.gray()) } else { frame.gray() };
+            let red = frame.rgb().and_then(|rgb| RgbImage::new(rgb, frame.width(), frame.height()).ok());
+            let red = red.map_or(Red::Unknown, Red::Colours);
+            finder.add(camera, &image, red, eye.detector.segments(&eye.detected));
+        }
+        let sighting = finder.finish(&mut self.windows);
+        let windows = &self.windows[..sighting.count];
+        Ok(Seen { sighting, windows, level })
+    }
+
+    /// The up vector to use: that given, or the image's own vertical.
+    #[must_use]
+    pub fn up(&self, given: Option<Bearing>) -> Bearing {
+        given.unwrap_or_else(|| Bearing::new(0.0, -1.0, 0.0))
+    }
+
+    /// Brightness ranks of the ring after [`windows`](Self::windows), 0 where nothing is known: for pictures.
+    #[must_use]
+    pub fn ring(&self) -> GrayImage<'_> {
+        let (columns, rows) = (self.resolution.columns() as u32, self.resolution.rows() as u32);
+        GrayImage::new(&self.gray, columns, rows).expect("a ring has cells")
+    }
+}
+
+impl Eye {
+    fn new(view: &View) -> Self {
+        let (width, height) = (u32::from(view.width), u32::from(view.height));
+        Self {
+            detector: SegmentDetector::new(width, height),
+            mask: field_mask(view),
+            view: *view,
+            parameters: level::segment_parameters(view),
+            detected: Detected { count: 0, truncated: false },
+        }
+    }
+}
+
+/// The pixels of a view within [`FIELD`] of its axis, [`RIM_PX`] left out: one bit each, as [`BitMask`] has them.
+fn field_mask(view: &View) -> Vec<u8> {
+    let i = view.camera.intrinsics();
+    let rim = view.camera.project(&Bearing::new(FIELD.sin(), 0.0, FIELD.cos()));
+    let radius = rim.map_or(f32::INFINITY, |p| (p.x - i.cx - RIM_PX) / i.fx);
+    let row_bytes = BitMask::row_bytes(u32::from(view.width));
+    let mut bits = vec![0; row_bytes * usize::from(view.height)];
+    for (y, row) in bits.chunks_exact_mut(row_bytes).enumerate() {
+        let v = (y as f32 - i.cy) / i.fy;
+        for x in 0..usize::from(view.width) {
+            let u = (x as f32 - i.cx) / i.fx;
+            row[x / 8] |= u8::from(u * u + v * v < radius * radius) << (x % 8);
+        }
+    }
+    bits
+}
