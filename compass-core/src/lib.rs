@@ -19,6 +19,7 @@
 //! | [`signature`] | the rotation-invariant transition signature |
 //! | [`site_map`] | the map of candidate positions as bytes |
 //! | [`matching`] | search over candidates and headings |
+//! | [`windows`] | window openings in an image, from its line segments |
 //! | [`camera`] | fisheye models, bearing to pixel and back; needs none of the others |
 //!
 //! Memory is lent by the caller throughout; "nothing found" is `None`; errors are small `Copy` enums.
