@@ -33,6 +33,7 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod attitude;
 pub mod camera;
 pub mod descriptor;
 #[cfg(feature = "draw")]

@@ -1,6 +1,7 @@
 //! From camera frames to window or wall in every direction: the core's steps with their buffers.
 
-use crate::frame::{Frame, SegmentDetector};
+use crate::frame::{Frame, MAX_SEGMENTS, SegmentDetector};
+use compass_core::attitude::{self, Arc, Hint, LEAST_INLIERS, Vertical};
 use compass_core::camera::{Bearing, Rig, View};
 use compass_core::raster::{BitMask, GrayImage, RgbImage};
 use compass_core::segments::{Detected, Parameters, Segment, SegmentsError};
@@ -24,6 +25,11 @@ pub enum EyesError {
     /// The up vector leaves no heading.
     #[error("the up vector lies along the optical axis of cam0, or is no vector: it leaves no heading")]
     Up,
+    /// Too few segments point to one vertical vanishing point.
+    #[error(
+        "cannot tell which way is up: fewer than {LEAST_INLIERS} segments point to one vertical vanishing point; give it with --up"
+    )]
+    NoVertical,
     /// The detector refused the image.
     #[error("cam{camera}: {source}")]
     Segments {
@@ -32,6 +38,18 @@ pub enum EyesError {
         /// What the detector said.
         source: SegmentsError,
     },
+}
+
+/// How cam0 is mounted: which side of its image is up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
+pub enum Mount {
+    /// Told from the windows: the sky is brighter than the ground.
+    #[default]
+    Auto,
+    /// The top.
+    Upright,
+    /// The bottom.
+    Inverted,
 }
 
 /// One camera's detector, mask and last result.
@@ -50,6 +68,7 @@ pub struct Eyes {
     rig: Rig,
     resolution: Resolution,
     eyes: [Option<Eye>; 2],
+    arcs: Vec<Arc>,
     gray: Vec<u8>,
     texture: Vec<u8>,
     columns: Vec<Column>,
@@ -80,6 +99,7 @@ impl Eyes {
             rig,
             resolution,
             eyes,
+            arcs: vec![Arc::default(); 2 * MAX_SEGMENTS],
             gray: vec![0; resolution.cells()],
             texture: vec![0; resolution.cells()],
             columns: vec![Column::default(); resolution.columns() + 1],
@@ -152,10 +172,44 @@ impl Eyes {
         Ok(Seen { sighting, windows, level })
     }
 
-    /// The up vector to use: that given, or the image's own vertical.
-    #[must_use]
-    pub fn up(&self, given: Option<Bearing>) -> Bearing {
-        given.unwrap_or_else(|| Bearing::new(0.0, -1.0, 0.0))
+    /// Finds which way is up from the segments just detected, near the vertical of cam0's image.
+    ///
+    /// # Errors
+    /// [`EyesError::NoVertical`] if too few segments agree.
+    pub fn vertical(&mut self, frames: [Option<&Frame>; 2], mount: Mount) -> Result<Vertical, EyesError> {
+        let mut count = 0;
+        for (camera, view) in self.rig.views() {
+            let Some(eye) = &self.eyes[camera] else { continue };
+            let arcs =
+                eye.detector.segments(&eye.detected).iter().filter_map(|s| Arc::new(s, view, camera as u8));
+            for (slot, arc) in self.arcs[count..].iter_mut().zip(arcs) {
+                *slot = arc;
+                count += 1;
+            }
+        }
+        let coarse = self.resolution == Resolution::COARSE;
+        let parameters = attitude::Parameters {
+            tolerance_deg: if coarse { 3.0 } else { 2.0 },
+            ..attitude::Parameters::default()
+        };
+        let top = Bearing::new(0.0, -1.0, 0.0);
+        let hint = match mount {
+            Mount::Upright => Hint::Up(top),
+            Mount::Inverted => Hint::Up(-top),
+            Mount::Auto => Hint::Axis(top),
+        };
+        let mut vertical =
+            attitude::vertical(&self.arcs[..count], hint, &parameters).ok_or(EyesError::NoVertical)?;
+        if mount == Mount::Auto && self.upside_down(frames, &vertical.up)? {
+            vertical.up = -vertical.up;
+        }
+        Ok(vertical)
+    }
+
+    /// Whether what is seen through the windows has the sky below: up and down are exchanged.
+    fn upside_down(&mut self, frames: [Option<&Frame>; 2], up: &Bearing) -> Result<bool, EyesError> {
+        let count = self.windows(frames, up)?.sighting.count;
+        Ok(level::sky_above(&self.windows[..count], &self.gray, self.resolution) < 0)
     }
 
     /// Brightness ranks of the ring after [`windows`](Self::windows), 0 where nothing is known: for pictures.

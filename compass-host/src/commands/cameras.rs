@@ -2,7 +2,7 @@
 
 use super::plan::finite;
 use crate::calibration::Calibration;
-use crate::eyes::Eyes;
+use crate::eyes::{Eyes, Mount};
 use crate::frame::Frame;
 use anyhow::{Result, bail};
 use compass_core::camera::Bearing;
@@ -27,14 +27,25 @@ pub(super) struct CameraArgs {
 /// The up vector, if it is given.
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct UpArg {
-    /// Up vector in the axes of cam0 (x right, y down, z forward) [default: the image's own vertical]
+    /// Up vector in the axes of cam0 (x right, y down, z forward) [default: from vertical lines]
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
     up: Option<[f64; 3]>,
+    /// Which side of cam0's image is up, within 45 degrees, where it is not told by --up
+    #[arg(long, value_enum, default_value_t = Mount::Auto)]
+    mount: Mount,
 }
 
 impl UpArg {
-    pub(super) fn given(&self) -> Option<Bearing> {
-        self.up.map(|[x, y, z]| Bearing::new(x as f32, y as f32, z as f32))
+    /// The up vector in cam0: that given, or that of the frames whose segments were just detected.
+    pub(super) fn resolve(&self, eyes: &mut Eyes, frames: [Option<&Frame>; 2]) -> Result<Bearing> {
+        match self.up {
+            Some([x, y, z]) => Ok(Bearing::new(x as f32, y as f32, z as f32)),
+            None => Ok(eyes.vertical(frames, self.mount)?.up),
+        }
+    }
+
+    pub(super) const fn mount(&self) -> Mount {
+        self.mount
     }
 }
 
@@ -42,7 +53,7 @@ impl UpArg {
 pub(super) struct Cameras {
     pub(super) frames: [Option<Frame>; 2],
     pub(super) eyes: Eyes,
-    pub(super) up: Option<Bearing>,
+    pub(super) up: UpArg,
 }
 
 impl CameraArgs {
@@ -56,13 +67,7 @@ impl CameraArgs {
         let [cam0, cam1] = paths.map(|path| path.as_ref().map(|path| Frame::read(path)).transpose());
         let frames = [cam0?, cam1?];
         let rig = calibration.rig(frames.each_ref().map(|f| f.as_ref().map(|f| (f.width(), f.height()))))?;
-        Ok(Cameras { frames, eyes: Eyes::new(rig), up: self.up.given() })
-    }
-}
-
-impl Cameras {
-    pub(super) fn frames(&self) -> [Option<&Frame>; 2] {
-        self.frames.each_ref().map(Option::as_ref)
+        Ok(Cameras { frames, eyes: Eyes::new(rig), up: self.up.clone() })
     }
 }
 

@@ -4,6 +4,7 @@ mod cameras;
 mod compare;
 mod demo;
 mod describe;
+mod gravity;
 mod localize;
 mod map;
 mod pictures;
@@ -39,6 +40,8 @@ enum Command {
     Segments(segments::Segments),
     /// Find the windows in one camera's frame
     Windows(windows::Windows),
+    /// Tell which way is up from vertical lines
+    Gravity(gravity::Gravity),
     /// Tell window from wall in every direction from one or two cameras
     See(see::See),
 }
@@ -66,6 +69,7 @@ impl Cli {
             Command::Compare(command) => command.run(),
             Command::Segments(command) => command.run(),
             Command::Windows(command) => command.run(),
+            Command::Gravity(command) => command.run(),
             Command::See(command) => command.run(),
         }
     }

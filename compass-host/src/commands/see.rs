@@ -83,6 +83,7 @@ struct Output {
 #[derive(Debug, Serialize)]
 struct Milliseconds {
     segments: Decimal,
+    up: Decimal,
     windows: Decimal,
 }
 
@@ -93,7 +94,9 @@ impl See {
         let frames = cameras.frames.each_ref().map(Option::as_ref);
         cameras.eyes.detect(frames)?;
         let detected = start.elapsed();
-        let up = cameras.eyes.up(cameras.up);
+        let start = std::time::Instant::now();
+        let up = cameras.up.resolve(&mut cameras.eyes, frames)?;
+        let levelled = start.elapsed();
         let start = std::time::Instant::now();
         let seen = cameras.eyes.windows(frames, &up)?;
         let found = start.elapsed();
@@ -110,6 +113,7 @@ impl See {
             truncated: sighting.truncated,
             milliseconds: Milliseconds {
                 segments: Decimal(detected.as_secs_f64() * 1e3),
+                up: Decimal(levelled.as_secs_f64() * 1e3),
                 windows: Decimal(found.as_secs_f64() * 1e3),
             },
         };
@@ -130,7 +134,7 @@ fn summary(output: &Output) -> String {
     for window in &output.windows {
         let _ = writeln!(text, "{window}");
     }
-    let Milliseconds { segments, windows } = &output.milliseconds;
-    let _ = writeln!(text, "segments {:.1} ms, windows {:.1} ms", segments.0, windows.0);
+    let Milliseconds { segments, up, windows } = &output.milliseconds;
+    let _ = writeln!(text, "segments {:.1} ms, up {:.1} ms, windows {:.1} ms", segments.0, up.0, windows.0);
     text
 }

@@ -52,7 +52,7 @@ impl Windows {
         };
         let mut eyes = Eyes::new(calibration.rig(sizes)?);
         eyes.detect(frames).with_context(|| self.image.display().to_string())?;
-        let up = eyes.up(self.up.given());
+        let up = self.up.resolve(&mut eyes, frames)?;
         let seen = eyes.windows(frames, &up)?;
         let truncated = seen.sighting.truncated;
         let level = seen.level;

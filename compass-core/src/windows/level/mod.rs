@@ -194,6 +194,27 @@ pub fn segment_parameters(view: &crate::camera::View) -> Parameters {
     usual
 }
 
+/// How much brighter windows are in their upper third than in their lower one: what lies outside is sky above and ground
+/// below, so a negative sum says that up and down were exchanged. `rank` is [`Buffers::gray`] after
+/// [`Finder::finish`]; the unit is cells times rank.
+#[must_use]
+pub fn sky_above(windows: &[Window], rank: &[u8], resolution: Resolution) -> i64 {
+    let columns = resolution.columns();
+    let sum = |window: &Window, rows: core::ops::Range<u16>| -> i64 {
+        let cells = rows.flat_map(|row| {
+            (window.columns[0]..window.columns[1])
+                .map(move |c| usize::from(row) * columns + usize::from(c) % columns)
+        });
+        cells.filter_map(|cell| rank.get(cell)).map(|rank| i64::from(*rank)).sum()
+    };
+    let contrast = |window: &Window| {
+        let [top, bottom] = window.rows;
+        let third = bottom.saturating_sub(top) / 3;
+        sum(window, top..top + third) - sum(window, bottom - third..bottom)
+    };
+    windows.iter().map(contrast).sum()
+}
+
 /// Whether a ring at this resolution skips pixels of the view's image, so that it is to be drawn from the smoothed one.
 #[must_use]
 pub fn wants_smoothed(view: &crate::camera::View, resolution: Resolution) -> bool {

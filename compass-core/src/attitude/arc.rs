@@ -1,0 +1,43 @@
+//! Segments as arcs of great circles.
+
+use super::degrees;
+use crate::camera::{Bearing, Pixel, View};
+use crate::segments::Segment;
+
+/// Arcs end at least this near to the optical axis: cosine of 92 degrees.
+const RIM_COS: f32 = -0.034_899_5;
+/// Longer arcs weigh no more than this, degrees.
+const MOST_WEIGHT: f32 = 25.0;
+
+/// A segment on the unit sphere, in the axes of camera 0.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Arc {
+    /// Unit normal of its great circle.
+    pub normal: Bearing,
+    /// Unit vector to its middle.
+    pub middle: Bearing,
+    /// Its length in degrees, at most 25.
+    pub weight: f32,
+    /// The camera it was seen by.
+    pub camera: u8,
+}
+
+impl Arc {
+    /// The arc of a segment in a camera's image; `None` if an end lies beyond the camera's field or 92 degrees
+    /// from its axis, or the arc is shorter than 0.1 degrees.
+    #[must_use]
+    pub fn new(segment: &Segment, view: &View, camera: u8) -> Option<Self> {
+        let end = |x, y| {
+            let bearing = view.camera.unproject(Pixel { x, y }).filter(|b| b.z > RIM_COS)?;
+            Some(view.rotation * bearing)
+        };
+        let (a, b) = (end(segment.x1, segment.y1)?, end(segment.x2, segment.y2)?);
+        let (normal, middle) = (a.cross(&b), a + b);
+        let (sin, double) = (libm::sqrtf(normal.dot(&normal)), libm::sqrtf(middle.dot(&middle)));
+        if sin < 1.7e-3 || double < 1e-3 {
+            return None;
+        }
+        let length = degrees(libm::atan2f(sin, a.dot(&b)));
+        Some(Self { normal: normal / sin, middle: middle / double, weight: length.min(MOST_WEIGHT), camera })
+    }
+}
