@@ -3,7 +3,7 @@
 use crate::frame::{Frame, MAX_SEGMENTS, SegmentDetector};
 use compass_core::attitude::{self, Arc, Hint, LEAST_INLIERS, Vertical};
 use compass_core::camera::{Bearing, Rig, View};
-use compass_core::raster::{BitMask, GrayImage, RgbImage};
+use compass_core::raster::{BitMask, RgbImage};
 use compass_core::segments::{Detected, Parameters, Segment, SegmentsError};
 use compass_core::windows::level::{
     self, Buffers, Column, Finder, Level, MAX_BOXES, MAX_UPRIGHTS, Red, Resolution, Sighting, Upright,
@@ -212,11 +212,12 @@ impl Eyes {
         Ok(level::sky_above(&self.windows[..count], &self.gray, self.resolution) < 0)
     }
 
-    /// Brightness ranks of the ring after [`windows`](Self::windows), 0 where nothing is known: for pictures.
+    /// Brightness ranks of the ring after [`windows`](Self::windows), row by row from the top, 0 where nothing is
+    /// known: for pictures.
     #[must_use]
-    pub fn ring(&self) -> GrayImage<'_> {
-        let (columns, rows) = (self.resolution.columns() as u32, self.resolution.rows() as u32);
-        GrayImage::new(&self.gray, columns, rows).expect("a ring has cells")
+    pub fn ring(&self) -> Vec<u8> {
+        let (columns, rows) = (self.resolution.columns(), self.resolution.rows());
+        (0..columns * rows).map(|i| self.gray[i % columns * rows + i / columns]).collect()
     }
 }
 

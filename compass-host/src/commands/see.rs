@@ -10,11 +10,15 @@ use compass_core::windows::level::{Level, Window, image_box};
 use serde::Serialize;
 use std::fmt;
 use std::fmt::Write as _;
+use std::time::Instant;
 
 #[derive(Debug, clap::Args)]
 pub(super) struct See {
     #[command(flatten)]
     cameras: CameraArgs,
+    /// Look N times and report the median time of each stage
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    repeat: u32,
     #[command(flatten)]
     json: JsonOption,
 }
@@ -90,16 +94,16 @@ struct Milliseconds {
 impl See {
     pub(super) fn run(&self) -> Result<Outcome> {
         let mut cameras = self.cameras.load()?;
-        let start = std::time::Instant::now();
         let frames = cameras.frames.each_ref().map(Option::as_ref);
-        cameras.eyes.detect(frames)?;
-        let detected = start.elapsed();
-        let start = std::time::Instant::now();
+        let mut stages = [const { Vec::new() }; 3];
+        for _ in 0..self.repeat {
+            time(&mut stages[0], || cameras.eyes.detect(frames))?;
+            let up = time(&mut stages[1], || cameras.up.resolve(&mut cameras.eyes, frames))?;
+            time(&mut stages[2], || cameras.eyes.windows(frames, &up).map(drop))?;
+        }
         let up = cameras.up.resolve(&mut cameras.eyes, frames)?;
-        let levelled = start.elapsed();
-        let start = std::time::Instant::now();
         let seen = cameras.eyes.windows(frames, &up)?;
-        let found = start.elapsed();
+        let [segments, level_ms, windows_ms] = stages.map(median);
         let (sighting, level, windows) = (seen.sighting.clone(), seen.level, seen.windows.to_vec());
         let windows: Vec<_> = windows.iter().map(|w| WindowOutput::new(w, &cameras.eyes, &level)).collect();
         let sixteenths = sighting.confidence.sixteenths();
@@ -111,15 +115,24 @@ impl See {
             up_in_cam0: decimals([up.x, up.y, up.z].map(f64::from)),
             windows,
             truncated: sighting.truncated,
-            milliseconds: Milliseconds {
-                segments: Decimal(detected.as_secs_f64() * 1e3),
-                up: Decimal(levelled.as_secs_f64() * 1e3),
-                windows: Decimal(found.as_secs_f64() * 1e3),
-            },
+            milliseconds: Milliseconds { segments, up: level_ms, windows: windows_ms },
         };
         self.json.emit(&output, &summary(&output))?;
         Ok(Outcome::Done)
     }
+}
+
+/// Runs `work` and notes the milliseconds it took.
+fn time<T>(times: &mut Vec<f64>, work: impl FnOnce() -> T) -> T {
+    let start = Instant::now();
+    let result = work();
+    times.push(start.elapsed().as_secs_f64() * 1e3);
+    result
+}
+
+fn median(mut times: Vec<f64>) -> Decimal {
+    times.sort_by(f64::total_cmp);
+    Decimal(times.get(times.len() / 2).copied().unwrap_or(0.0))
 }
 
 fn summary(output: &Output) -> String {

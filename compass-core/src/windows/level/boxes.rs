@@ -16,6 +16,8 @@ const FLANK_EIGHTHS: [usize; 2] = [12, 32];
 /// Rows searched for lintel and sill: 3 degrees outside the edges' common part, 1.5 inside.
 const OUTSIDE_HALVES: usize = 6;
 const INSIDE_HALVES: usize = 3;
+/// Rows searched at most: those of the finest ring.
+const MOST_ROWS: usize = (OUTSIDE_HALVES + INSIDE_HALVES) * 4 / 2;
 
 /// Scores count in 1/256 nat.
 pub(super) const NAT: i32 = 256;
@@ -74,29 +76,22 @@ impl Sums {
 }
 
 impl Planes<'_> {
-    /// The cells of a row from a column on, in one or two pieces.
-    fn pieces<'p>(&self, plane: &'p [u8], row: usize, start: usize, width: usize) -> [&'p [u8]; 2] {
-        let columns = self.resolution.columns();
-        let start = start % columns;
-        let row = plane.get(row * columns..(row + 1) * columns).unwrap_or(&[]);
-        let first = width.min(columns - start);
-        [row.get(start..start + first).unwrap_or(&[]), row.get(..width - first).unwrap_or(&[])]
+    /// Cells of a column between two rows; columns go round.
+    #[inline(always)]
+    fn column<'p>(&self, plane: &'p [u8], column: usize, rows: &core::ops::Range<usize>) -> &'p [u8] {
+        let start = column % self.resolution.columns() * self.resolution.rows();
+        plane.get(start + rows.start..start + rows.end).unwrap_or(&[])
     }
 
-    fn sums(&self, rows: core::ops::Range<usize>, start: usize, width: usize) -> Sums {
+    fn sums(&self, rows: &core::ops::Range<usize>, columns: core::ops::Range<usize>) -> Sums {
         let mut sums = Sums::default();
-        for row in rows {
-            for piece in self.pieces(self.rank, row, start, width) {
-                sums.rank += total(piece);
-                sums.known += piece.len() as u32 - unknown(piece);
-            }
-            sums.texture += self.texture_of(row, start, width);
+        for column in columns {
+            let rank = self.column(self.rank, column, rows);
+            sums.rank += total(rank);
+            sums.known += rank.len() as u32 - unknown(rank);
+            sums.texture += total(self.column(self.texture, column, rows));
         }
         sums
-    }
-
-    fn texture_of(&self, row: usize, start: usize, width: usize) -> u32 {
-        self.pieces(self.texture, row, start, width).map(total).iter().sum()
     }
 }
 
@@ -105,7 +100,7 @@ fn total(cells: &[u8]) -> u32 {
 }
 
 fn unknown(cells: &[u8]) -> u32 {
-    cells.iter().map(|cell| u32::from(*cell == 0)).sum()
+    cells.iter().map(|cell| u32::from(u8::from(*cell == 0))).sum()
 }
 
 /// The box between two edges, if it has the shape of a window and can be seen.
@@ -133,14 +128,14 @@ pub(super) fn propose(planes: &Planes<'_>, left: &Edge, right: &Edge) -> Option<
 
 fn scored(planes: &Planes<'_>, start: usize, end: usize, top: usize, bottom: usize) -> Option<WindowBox> {
     let (width, height) = (end - start, bottom - top);
-    let inside = planes.sums(top..bottom, start, width);
+    let inside = planes.sums(&(top..bottom), start..end);
     if 10 * u64::from(inside.known) < 6 * (width * height) as u64 {
         return None;
     }
     let (rank, texture) = inside.means();
-    let (flank_rank, flank_texture) = flanks(planes, start, end, top..bottom)?;
-    let (lintel, lintel_row) = strongest_row(planes, (start, width), above(planes, top, height));
-    let (sill, sill_row) = strongest_row(planes, (start, width), below(planes, bottom, height));
+    let (flank_rank, flank_texture) = flanks(planes, start..end, &(top..bottom))?;
+    let (lintel, lintel_row) = strongest_row(planes, start..end, above(planes, top, height));
+    let (sill, sill_row) = strongest_row(planes, start..end, below(planes, bottom, height));
     let borders = (lintel + sill) as i32 * NAT / (2 * 255 * width as i32);
     let per_level = |difference: i32| difference * NAT / (255 * 16);
     let octaves = log2_ratio(width as u32, height as u32);
@@ -165,16 +160,15 @@ fn scored(planes: &Planes<'_>, start: usize, end: usize, top: usize, bottom: usi
 /// Mean rank beside a box, and the larger mean texture of its two sides; `None` where neither can be seen.
 fn flanks(
     planes: &Planes<'_>,
-    start: usize,
-    end: usize,
-    rows: core::ops::Range<usize>,
+    columns: core::ops::Range<usize>,
+    rows: &core::ops::Range<usize>,
 ) -> Option<(i32, i32)> {
     let per_degree = planes.resolution.per_degree();
     let [least, most] = FLANK_EIGHTHS.map(|eighths| (eighths * per_degree).div_ceil(8));
-    let width = (end - start).div_ceil(2).clamp(least, most);
-    let columns = planes.resolution.columns();
+    let width = columns.len().div_ceil(2).clamp(least, most);
     // One cell of gap to the edge.
-    let sides = [start + columns - 1 - width, end + 1].map(|side| planes.sums(rows.clone(), side, width));
+    let left = columns.start + planes.resolution.columns() - 1 - width;
+    let sides = [left, columns.end + 1].map(|side| planes.sums(rows, side..side + width));
     let area = (width * rows.len()) as u64;
     let (mut rank, mut texture, mut seen) = (0, i32::MIN, 0);
     for side in sides.iter().filter(|side| 10 * u64::from(side.known) > 3 * area) {
@@ -200,20 +194,26 @@ fn below(planes: &Planes<'_>, bottom: usize, height: usize) -> core::ops::Range<
     bottom - inner(planes, height)..(bottom + outside).min(planes.resolution.rows())
 }
 
-/// The most textured of some rows between two columns: the sum of its texture, and the row.
+/// The most textured of some rows across some columns: the sum of its texture, and the row.
 fn strongest_row(
     planes: &Planes<'_>,
-    (start, width): (usize, usize),
+    columns: core::ops::Range<usize>,
     rows: core::ops::Range<usize>,
 ) -> (u32, usize) {
-    let mut best = (0, rows.start);
-    for row in rows {
-        let texture = planes.texture_of(row, start, width);
-        if texture > best.0 {
-            best = (texture, row);
+    let mut totals = [0_u16; MOST_ROWS];
+    for column in columns {
+        // 240 columns of 255 fit.
+        for (total, cell) in totals.iter_mut().zip(planes.column(planes.texture, column, &rows)) {
+            *total = total.wrapping_add(u16::from(*cell));
         }
     }
-    best
+    let mut best = (0, rows.start);
+    for (total, row) in totals.iter().zip(rows) {
+        if *total > best.0 {
+            best = (*total, row);
+        }
+    }
+    (u32::from(best.0), best.1)
 }
 
 /// log2(a / b) in 1/256, within -5 to 4.

@@ -199,13 +199,13 @@ pub fn segment_parameters(view: &crate::camera::View) -> Parameters {
 /// [`Finder::finish`]; the unit is cells times rank.
 #[must_use]
 pub fn sky_above(windows: &[Window], rank: &[u8], resolution: Resolution) -> i64 {
-    let columns = resolution.columns();
+    let (columns, height) = (resolution.columns(), resolution.rows());
     let sum = |window: &Window, rows: core::ops::Range<u16>| -> i64 {
-        let cells = rows.flat_map(|row| {
-            (window.columns[0]..window.columns[1])
-                .map(move |c| usize::from(row) * columns + usize::from(c) % columns)
-        });
-        cells.filter_map(|cell| rank.get(cell)).map(|rank| i64::from(*rank)).sum()
+        let of_window = (window.columns[0]..window.columns[1]).map(|c| usize::from(c) % columns * height);
+        let cells = |start: usize| {
+            rank.get(start + usize::from(rows.start)..start + usize::from(rows.end)).unwrap_or(&[]).iter()
+        };
+        of_window.flat_map(cells).map(|rank| i64::from(*rank)).sum()
     };
     let contrast = |window: &Window| {
         let [top, bottom] = window.rows;
@@ -251,8 +251,9 @@ fn known(planes: &Planes<'_>, column: usize, [low, high]: [i32; 2]) -> (usize, u
     let resolution = planes.resolution;
     let row = |elevation: i32| (TOP_DEG - elevation) as usize * resolution.per_degree();
     let rows = row(high)..row(low);
-    let at = |row: usize| planes.rank.get(row * resolution.columns() + column).is_some_and(|rank| *rank > 0);
-    (rows.clone().filter(|row| at(*row)).count(), rows.len())
+    let start = column * resolution.rows();
+    let cells = planes.rank.get(start + rows.start..start + rows.end).unwrap_or(&[]);
+    (cells.iter().filter(|rank| **rank > 0).count(), rows.len())
 }
 
 /// Adds an edge of all heights where the view ends, keeping the order; false if there is no room.

@@ -12,16 +12,19 @@ const LEAST_TEXTURE: usize = 4;
 /// Turns the gray levels of a ring into ranks, 1 (darkest of the frame) to 255, 0 where nothing is known; and fills
 /// `texture` with the vertical gradient, 0 to 255 (as strong as a tenth of the frame has).
 pub(super) fn normalize(gray: &mut [u8], texture: &mut [u8], resolution: Resolution) {
-    let columns = resolution.columns();
-    erode(gray, texture, columns);
-    vertical_gradient(gray, texture, columns);
+    let rows = resolution.rows();
+    erode(gray, texture, rows);
+    vertical_gradient(gray, texture, rows);
     let band = band(resolution);
     let mut levels = [0_u32; 256];
     let mut gradients = [0_u32; 256];
-    let known = gray.get(band.clone()).unwrap_or(&[]).iter().zip(texture.get(band).unwrap_or(&[]));
-    for (level, gradient) in known.filter(|(level, _)| **level > 0) {
-        levels[usize::from(*level)] += 1;
-        gradients[usize::from(*gradient)] += 1;
+    for (gray, texture) in gray.chunks_exact(rows).zip(texture.chunks_exact(rows)) {
+        let known =
+            gray.get(band.clone()).unwrap_or(&[]).iter().zip(texture.get(band.clone()).unwrap_or(&[]));
+        for (level, gradient) in known.filter(|(level, _)| **level > 0) {
+            levels[usize::from(*level)] += 1;
+            gradients[usize::from(*gradient)] += 1;
+        }
     }
     let ranks = ranks(&levels);
     gray.iter_mut().for_each(|level| *level = ranks[usize::from(*level)]);
@@ -30,32 +33,25 @@ pub(super) fn normalize(gray: &mut [u8], texture: &mut [u8], resolution: Resolut
     texture.iter_mut().for_each(|gradient| *gradient = shares[usize::from(*gradient)]);
 }
 
-/// Cells of the rows that statistics come from.
+/// Rows that statistics come from.
 fn band(resolution: Resolution) -> core::ops::Range<usize> {
     let row = |elevation: i32| (TOP_DEG - elevation) as usize * resolution.per_degree();
-    row(BAND_DEG) * resolution.columns()..row(-BAND_DEG) * resolution.columns()
+    row(BAND_DEG)..row(-BAND_DEG)
 }
 
 /// Clears the cells beside unknown ones: what borders safety gear is still partly red. Uses `lost` as scratch.
-fn erode(gray: &mut [u8], lost: &mut [u8], columns: usize) {
-    lost.fill(0);
-    let mut above: &[u8] = &[];
-    for (row, lost) in gray.chunks_exact(columns).zip(lost.chunks_exact_mut(columns)) {
-        let neighbours = row.iter().skip(1).chain(row.first());
-        for ((lost, here), right) in lost.iter_mut().zip(row).zip(neighbours) {
-            *lost |= u8::from(*here == 0 || *right == 0);
+fn erode(gray: &mut [u8], lost: &mut [u8], rows: usize) {
+    let columns = gray.chunks_exact(rows);
+    let left = columns.clone().next_back().into_iter().chain(columns.clone());
+    let right = columns.clone().skip(1).chain(columns.clone().next());
+    for (((here, left), right), lost) in columns.zip(left).zip(right).zip(lost.chunks_exact_mut(rows)) {
+        for (((lost, here), left), right) in lost.iter_mut().zip(here).zip(left).zip(right) {
+            *lost = u8::from(*here == 0 || *left == 0 || *right == 0);
         }
-        for (lost, above) in lost.iter_mut().zip(above) {
+        for (lost, above) in lost.iter_mut().skip(1).zip(here) {
             *lost |= u8::from(*above == 0);
         }
-        for (lost, left) in lost.iter_mut().skip(1).zip(row) {
-            *lost |= u8::from(*left == 0);
-        }
-        above = row;
-    }
-    let below = gray.chunks_exact(columns).skip(1);
-    for (lost, below) in lost.chunks_exact_mut(columns).zip(below) {
-        for (lost, below) in lost.iter_mut().zip(below) {
+        for (lost, below) in lost.iter_mut().zip(here.iter().skip(1)) {
             *lost |= u8::from(*below == 0);
         }
     }
@@ -65,12 +61,11 @@ fn erode(gray: &mut [u8], lost: &mut [u8], columns: usize) {
 }
 
 /// |level above - level below|; 0 where one of the three is unknown.
-fn vertical_gradient(gray: &[u8], texture: &mut [u8], columns: usize) {
-    texture.fill(0);
-    let rows = gray.chunks_exact(columns);
-    let triples = rows.clone().zip(rows.clone().skip(1)).zip(rows.skip(2));
-    for (out, ((above, here), below)) in texture.chunks_exact_mut(columns).skip(1).zip(triples) {
-        for (((out, above), here), below) in out.iter_mut().zip(above).zip(here).zip(below) {
+fn vertical_gradient(gray: &[u8], texture: &mut [u8], rows: usize) {
+    for (gray, texture) in gray.chunks_exact(rows).zip(texture.chunks_exact_mut(rows)) {
+        texture.fill(0);
+        let triples = gray.iter().zip(gray.iter().skip(1)).zip(gray.iter().skip(2));
+        for (out, ((above, here), below)) in texture.iter_mut().skip(1).zip(triples) {
             let known = *above != 0 && *here != 0 && *below != 0;
             *out = if known { above.abs_diff(*below) } else { 0 };
         }
@@ -111,27 +106,37 @@ mod tests {
     #[test]
     fn brightness_becomes_rank() {
         let resolution = Resolution::COARSE;
-        let columns = resolution.columns();
+        let (columns, rows) = (resolution.columns(), resolution.rows());
         // A quarter of all columns is bright, whatever its level.
         for bright in [60, 120, 250] {
-            let mut gray: vec::Vec<u8> = (0..resolution.cells())
-                .map(|i| if i % columns < columns / 4 { bright } else { 40 })
-                .collect();
+            let mut gray: vec::Vec<u8> =
+                (0..resolution.cells()).map(|i| if i / rows < columns / 4 { bright } else { 40 }).collect();
             let mut texture = vec![9; gray.len()];
             normalize(&mut gray, &mut texture, resolution);
-            let row = &gray[columns * 40..columns * 41];
-            assert_eq!((row[10], row[columns / 2]), (223, 96));
+            assert_eq!((gray[10 * rows + 40], gray[columns / 2 * rows + 40]), (223, 96));
             assert!(texture.iter().all(|t| *t == 0));
         }
     }
 
     #[test]
+    fn texture_is_the_change_between_rows() {
+        let resolution = Resolution::COARSE;
+        let rows = resolution.rows();
+        let mut gray: vec::Vec<u8> =
+            (0..resolution.cells()).map(|i| if i % rows < 70 { 90 } else { 110 }).collect();
+        let mut texture = vec![9; gray.len()];
+        normalize(&mut gray, &mut texture, resolution);
+        let strong: vec::Vec<_> = (0..rows).filter(|row| texture[5 * rows + row] > 0).collect();
+        assert_eq!(strong, [69, 70]);
+    }
+
+    #[test]
     fn unknown_cells_grow_by_one() {
         let mut gray = vec![100; 7 * 5];
-        gray[2 * 7] = 0;
+        gray[2] = 0;
         let mut lost = vec![0; 7 * 5];
-        erode(&mut gray, &mut lost, 7);
+        erode(&mut gray, &mut lost, 5);
         let zeros: vec::Vec<_> = (0..35).filter(|i| gray[*i] == 0).collect();
-        assert_eq!(zeros, [7, 14, 15, 20, 21]);
+        assert_eq!(zeros, [1, 2, 3, 7, 32], "above, itself, below, right, and left around the circle");
     }
 }

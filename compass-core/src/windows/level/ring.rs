@@ -1,4 +1,7 @@
 //! The ring: what both cameras see, as a panorama of azimuth and elevation levelled by the up vector.
+//!
+//! Its cells lie column by column, so that what is measured between two heights is contiguous. Columns go clockwise,
+//! from 180 degrees at the left border of the first; rows go down.
 
 use crate::camera::{Bearing, Rig, View};
 use crate::raster::{BitMask, GrayImage, RgbImage, is_red};
@@ -156,7 +159,8 @@ impl Projector<'_> {
         let lead = self.rival.map_or(1.0, |rival| mine.z - seen_from(rival).z);
         let pixel = self.view.camera.project(&mine).filter(|_| mine.z > RIM_COS - 0.05);
         let scale = (1 << SUBPIXEL) as f32;
-        let fixed = |v: f32| (v.clamp(-30_000.0, 30_000.0) * scale) as i32;
+        // Within 2^13 pixels, so that two weights of 4 bits fit as well.
+        let fixed = |v: f32| (v.clamp(-8_192.0, 8_192.0) * scale) as i32;
         Node {
             x: pixel.map_or(0, |p| fixed(p.x)),
             y: pixel.map_or(0, |p| fixed(p.y)),
@@ -214,47 +218,44 @@ fn draw_patch(
     red: Red<'_>,
 ) {
     let side = GRID_DEG * resolution.per_degree();
+    // Cell centres lie at odd halves of cells, so weights are of `2 side`, a power of two.
+    let bits = side.trailing_zeros() + 1;
     let twice = 2 * side as i32;
-    for v in 0..side {
-        let y = row * side + v;
-        if y >= resolution.rows() {
-            return;
-        }
-        let start = y * resolution.columns() + column * side;
-        let Some(cells) = cells.get_mut(start..start + side) else { return };
-        // Cell centres lie at odd halves of cells.
-        let wy = 2 * v as i32 + 1;
-        let blend = |top: i32, bottom: i32| top * (twice - wy) + bottom * wy;
-        let left = [blend(a.x, c.x), blend(a.y, c.y), blend(a.lead, c.lead)];
-        let right = [blend(b.x, d.x), blend(b.y, d.y), blend(b.lead, d.lead)];
-        for (u, cell) in cells.iter_mut().enumerate() {
-            let wx = 2 * u as i32 + 1;
-            let at = |k: usize| (left[k] / twice * (twice - wx) + right[k] / twice * wx) / twice;
+    let top = row * side;
+    let height = side.min(resolution.rows().saturating_sub(top));
+    for u in 0..side {
+        let wx = 2 * u as i32 + 1;
+        let blend = |left: i32, right: i32| left * (twice - wx) + right * wx;
+        let upper = [blend(a.x, b.x), blend(a.y, b.y), blend(a.lead, b.lead)];
+        let lower = [blend(c.x, d.x), blend(c.y, d.y), blend(c.lead, d.lead)];
+        let start = (column * side + u) * resolution.rows() + top;
+        for (v, cell) in cells.get_mut(start..start + height).unwrap_or(&mut []).iter_mut().enumerate() {
+            let wy = 2 * v as i32 + 1;
+            let at = |k: usize| (upper[k] * (twice - wy) + lower[k] * wy) >> (2 * bits);
             if at(2) > 0 {
-                let (x, y) = (at(0), at(1));
-                *cell = look(image, red, x, y);
+                *cell = look(image, red, at(0), at(1));
             }
         }
     }
 }
 
-/// The gray level at a position, 1 to 255; 0 outside the image by less than a pixel of margin, or on red.
+/// The gray level at a position, 1 to 255; 0 within a pixel of the image's border, outside it, or on red.
 #[inline(always)]
 fn look(image: &GrayImage<'_>, red: Red<'_>, x: i32, y: i32) -> u8 {
     let (column, row) = (x >> SUBPIXEL, y >> SUBPIXEL);
-    if column < 1 || row < 1 || column + 2 >= image.width() as i32 || row + 2 >= image.height() as i32 {
+    let width = image.width() as usize;
+    if column < 1 || row < 1 || column + 2 >= width as i32 || row + 2 >= image.height() as i32 {
         return 0;
     }
-    let start = row as usize * image.width() as usize + column as usize;
+    let start = row as usize * width + column as usize;
     let pixels = image.pixels();
-    let pair = |start: usize| {
-        let pair = pixels.get(start..start + 2).unwrap_or(&[0, 0]);
-        (i32::from(pair[0]), i32::from(pair[1]))
+    let (Some([a, b, ..]), Some([c, d, ..])) = (pixels.get(start..), pixels.get(start + width..)) else {
+        return 0;
     };
-    let ((a, b), (c, d)) = (pair(start), pair(start + image.width() as usize));
+    let [a, b, c, d] = [a, b, c, d].map(|p| i32::from(*p));
     let (wx, wy) = (x & 0xff, y & 0xff);
-    let top = a * (256 - wx) + b * wx;
-    let bottom = c * (256 - wx) + d * wx;
-    let gray = (top * (256 - wy) + bottom * wy + (1 << 15)) >> 16;
+    let top = (a << 8) + (b - a) * wx;
+    let bottom = (c << 8) + (d - c) * wx;
+    let gray = ((top << 8) + (bottom - top) * wy + (1 << 15)) >> 16;
     if red.at(column as u32, row as u32) { 0 } else { gray.clamp(1, 255) as u8 }
 }
