@@ -4,6 +4,7 @@
 pub mod calibration;
 pub mod commands;
 pub mod compare;
+pub mod dataset;
 pub mod figures;
 pub mod frame;
 pub mod image_file;
@@ -15,4 +16,5 @@ pub mod plan_import;
 pub mod reference;
 pub mod report;
 pub mod sample;
+pub mod simulate;
 pub mod site;

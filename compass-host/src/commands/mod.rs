@@ -8,6 +8,7 @@ mod map;
 mod pictures;
 mod plan;
 mod segments;
+mod simulate;
 
 use clap::{Parser, Subcommand};
 
@@ -34,6 +35,8 @@ enum Command {
     Compare(compare::Compare),
     /// Find the line segments of an image
     Segments(segments::Segments),
+    /// Render the frames of two fisheye cameras from a plan
+    Simulate(simulate::Simulate),
 }
 
 /// What the work came to; its exit status is 0 or 1.
@@ -58,6 +61,7 @@ impl Cli {
             Command::Localize(command) => command.run(),
             Command::Compare(command) => command.run(),
             Command::Segments(command) => command.run(),
+            Command::Simulate(command) => command.run(),
         }
     }
 }
