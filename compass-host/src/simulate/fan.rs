@@ -164,7 +164,8 @@ impl Cast<'_> {
             let column = (column as isize + side * k * stride).rem_euclid(COLUMNS as isize) as usize;
             let Some(layer) = self.column(column).get(number) else { break };
             let at = place(column, layer.range);
-            let gap2 = (at[0] - last[0]).powi(2) + (at[1] - last[1]).powi(2);
+            let gap = [at[0] - last[0], at[1] - last[1]];
+            let gap2 = gap[0] * gap[0] + gap[1] * gap[1];
             let most = 6.0 * self.scene.grid.resolution.max(spacing);
             if layer.surface != Surface::Wall || gap2 > most * most {
                 break;

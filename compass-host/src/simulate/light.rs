@@ -65,7 +65,8 @@ impl Light {
         for _ in 0..2 {
             let before = self.values.clone();
             for at in (0..kinds.len()).filter(|&at| kinds[at] == Kind::Blocked && before[at] == 0.0) {
-                let lit = || self.around(at).map(|there| before[there]).filter(|&v| v > 0.0);
+                let indoors = |there: &usize| kinds[*there] != Kind::Source && before[*there] > 0.0;
+                let lit = || self.around(at).filter(indoors).map(|there| before[there]);
                 self.values[at] = lit().sum::<f32>() / (lit().count() as f32).max(1.0);
             }
         }
@@ -98,7 +99,7 @@ impl Light {
         let mix = |a: f32, b: f32, t: f32| a + (b - a) * t;
         let v = mix(mix(value(0, 0), value(1, 0), fx), mix(value(0, 1), value(1, 1), fx), fy);
         // Rooms without windows are lit by lamps.
-        0.3 + 0.9 * v
+        0.16 + 1.1 * v
     }
 }
 
@@ -117,7 +118,8 @@ fn kind(grid: &Grid, x: usize, y: usize, step: usize) -> Kind {
     }
     match (glass, walls, outside) {
         (_, _, outside) if 2 * outside > step * step => Kind::Source,
-        (glass, walls, _) if glass == 0 && 4 * walls > step * step => Kind::Blocked,
+        // A line through the cell is as long as its side.
+        (0, walls, _) if 4 * walls >= 3 * step => Kind::Blocked,
         _ => Kind::Free,
     }
 }

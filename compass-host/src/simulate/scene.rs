@@ -115,18 +115,18 @@ impl Look {
             floor_bay: [bay, bay * draw(0.8, 1.3)],
             slab_bay: [slab, slab * draw(0.6, 1.4)],
             joint: draw(0.35, 0.75),
-            mottle: draw(0.06, 0.16),
+            mottle: draw(0.09, 0.2),
             frame: if dark_frame { gray(draw(0.02, 0.07), 0.0) } else { gray(draw(0.45, 0.7), 0.0) },
             frame_width: draw(0.05, 0.08),
             mullions: draw(0.9, 1.6),
             sills: if low_sills { [0.0, 0.15] } else { [0.0, 0.9] },
             lintel_drop: [draw(0.02, 0.1), draw(0.15, 0.45)],
-            outside: draw(2.5, 6.0),
+            outside: draw(1.6, 4.0),
             green: [draw(0.14, 0.3), draw(0.34, 0.5), draw(0.08, 0.2)],
-            haze: draw(0.1, 0.5),
+            haze: draw(0.0, 0.35),
             sun: [libm::cosf(angle), libm::sinf(angle)],
             exposure: draw(0.17, 0.27),
-            noise: draw(0.6, 1.6),
+            noise: draw(0.8, 2.2),
         }
     }
 

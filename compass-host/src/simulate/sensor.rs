@@ -26,7 +26,7 @@ impl Exposure {
     /// The picture that the sensor takes.
     pub(super) fn develop(mut self, look: &Look, rng: &mut impl Rng) -> RgbImage {
         let gain = self.gain(look);
-        self.light.iter_mut().flatten().for_each(|v| *v = (*v * gain).min(6.0));
+        self.light.iter_mut().flatten().for_each(|v| *v = (*v * gain).min(2.0));
         self.soften();
         self.glow();
         let curve = curve();
@@ -94,7 +94,7 @@ impl Exposure {
             let (x, y) = (place(at % self.width), place(at / self.width));
             let (a, b) = (sample(&near, columns, rows, x, y), sample(&far, columns, rows, x, y));
             for (i, value) in self.light[at].iter_mut().enumerate() {
-                *value += 0.035 * a[i] + 0.06 * b[i];
+                *value += 0.06 * a[i] + 0.1 * b[i];
             }
         }
     }

@@ -73,7 +73,7 @@ impl Shader<'_> {
                 return seen(through, self.level(&ray, level, solids));
             }
             match face.surface {
-                Surface::Wall => return seen(through, self.wall(&ray, face.range, face.normal)),
+                Surface::Wall => return seen(through, self.wall(&ray, face.range, face.normal, None)),
                 Surface::Outdoors => return seen(through, self.outdoors(&ray)),
                 Surface::Glass(pane, far) => {
                     let pane = &self.scene.panes.list[pane as usize];
@@ -106,7 +106,8 @@ impl Shader<'_> {
         self.sample * range * ray.stretch
     }
 
-    fn wall(&self, ray: &Ray, range: f32, normal: [f32; 2]) -> Colour {
+    /// A wall; `concrete` is a number for faces that are never plastered.
+    fn wall(&self, ray: &Ray, range: f32, normal: [f32; 2], concrete: Option<u32>) -> Colour {
         let (look, at) = (&self.scene.look, self.point(ray, range));
         let [x, y, z] = at;
         let across = -(ray.flat[0] * normal[0] + ray.flat[1] * normal[1]);
@@ -116,10 +117,10 @@ impl Shader<'_> {
         // Faces in one plane are of one kind; no plane of whole centimetres lies on a border.
         let plane = ((x * normal[0] + y * normal[1] + 0.0537) / 0.3).floor() as i32;
         let turn = ((normal[0] * 8.0).round() * 32.0 + (normal[1] * 8.0).round()) as i32;
-        let kind = hash(look.seed, [plane, turn, 1]);
-        let plastered = unit(kind) < look.plastered;
+        let kind = concrete.unwrap_or_else(|| hash(look.seed, [plane, turn, 1]));
+        let plastered = concrete.is_none() && unit(kind) < look.plastered;
         let mut value = 0.93 + 0.14 * unit(kind.rotate_left(11));
-        value *= self.mottled(at, slanted, if plastered { 0.4 } else { 1.0 });
+        value *= self.mottled(at, slanted, if plastered { 0.5 } else { 1.0 });
         if !plastered {
             let phase = look.panel[0] * unit(kind.rotate_left(21));
             let seam = line(u - phase, look.panel[0], 0.012, slanted).max(line(
@@ -144,7 +145,8 @@ impl Shader<'_> {
         let look = &self.scene.look;
         let large = grain(look.seed, at, 0.9, footprint) + 0.6 * grain(look.seed ^ 1, at, 0.21, footprint);
         let fine = grain(look.seed ^ 2, at, 0.035, footprint);
-        (1.0 + strength * look.mottle * (large + 0.5 * fine)).max(0.1)
+        let cloud = 0.8 * grain(look.seed ^ 3, at, 3.1, footprint);
+        (1.0 + strength * look.mottle * (cloud + large + 0.7 * fine)).max(0.1)
     }
 
     /// Floor or ceiling.
@@ -190,7 +192,7 @@ impl Shader<'_> {
         let height = |range: f32| self.from.z + ray.slope * range;
         let open = |z: f32| z > pane.sill && z < pane.lintel;
         if !open(height(near)) {
-            return Some(self.wall(ray, near, normal));
+            return Some(self.wall(ray, near, normal, Some(1)));
         }
         // Glass and frame in the middle of the depth, sill and soffit before them.
         let at = self.point(ray, (near + far) / 2.0);

@@ -146,7 +146,7 @@ pub(super) fn operator(camera: Vector3<f32>, forward: [f32; 2], side: f32) -> Ve
         Solid::ellipsoid(place(-0.02, 0.4, -0.19), [0.15, 0.12, 0.1], turn, red),
         Solid::ellipsoid(place(0.0, 0.4, -0.29), [0.1, 0.09, 0.13], turn, [0.33, 0.2, 0.15]),
         Solid::ellipsoid(place(-0.03, 0.42, -0.68), [0.16, 0.24, 0.27], turn, red),
-        Solid::ellipsoid(place(-0.02, 0.0, -0.17), [0.1, 0.14, 0.045], turn, dark),
+        Solid::ellipsoid(place(-0.02, 0.0, -0.19), [0.05, 0.1, 0.03], turn, dark),
         Solid::ellipsoid(place(-0.02, 0.0, -0.45), [0.025, 0.025, 0.28], turn, dark),
     ]
 }
