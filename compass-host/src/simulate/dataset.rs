@@ -31,13 +31,14 @@ impl Format {
     fn encode(self, frame: &RgbImage) -> Result<Vec<u8>> {
         let mut bytes = Vec::new();
         let (width, height, colour) = (frame.width(), frame.height(), image::ExtendedColorType::Rgb8);
-        match self {
+        let encoded = match self {
             Self::Jpeg(quality) => image::codecs::jpeg::JpegEncoder::new_with_quality(&mut bytes, quality)
-                .write_image(frame, width, height, colour)?,
+                .write_image(frame, width, height, colour),
             Self::Png => {
-                image::codecs::png::PngEncoder::new(&mut bytes).write_image(frame, width, height, colour)?
+                image::codecs::png::PngEncoder::new(&mut bytes).write_image(frame, width, height, colour)
             }
-        }
+        };
+        encoded?;
         Ok(bytes)
     }
 }
