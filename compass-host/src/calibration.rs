@@ -31,6 +31,9 @@ const LEADING_ONE: f64 = 0.1;
 /// Longest side of an image in pixels.
 const MAX_SIDE: u32 = 65_535;
 
+/// The file of [`Calibration::nominal`].
+pub const NOMINAL_YAML: &str = include_str!("calibration/nominal.yaml");
+
 /// Why a calibration could not be read or used: one line, with the file at fault.
 #[derive(Debug, Error)]
 #[non_exhaustive]
@@ -154,15 +157,29 @@ pub struct Calibration {
 }
 
 impl Calibration {
+    /// An invented rig, for those who have none: two Kannala-Brandt fisheyes of about 190 degrees and
+    /// 736 x 720 pixels, back to back, 38 mm apart.
+    ///
+    /// # Panics
+    /// Never: a test reads it.
+    #[must_use]
+    pub fn nominal() -> Self {
+        Self::parse(Path::new("nominal.yaml"), NOMINAL_YAML.as_bytes().to_vec()).expect("tested")
+    }
+
     /// Reads and checks a calibration file.
     ///
     /// # Errors
     /// [`CalibrationError`]: the file cannot be read, is no camera chain, or a field is missing or makes
     /// no sense.
     pub fn load(path: &Path) -> Result<Self, CalibrationError> {
-        let yaml = |reason: String| CalibrationError::Yaml { path: path.to_path_buf(), reason };
         let bytes = std::fs::read(path)
             .map_err(|source| CalibrationError::Read { path: path.to_path_buf(), source })?;
+        Self::parse(path, bytes)
+    }
+
+    fn parse(path: &Path, bytes: Vec<u8>) -> Result<Self, CalibrationError> {
+        let yaml = |reason: String| CalibrationError::Yaml { path: path.to_path_buf(), reason };
         let text = String::from_utf8(bytes).map_err(|_| yaml("not UTF-8 text".to_owned()))?;
         let chain: Chain = serde_saphyr::from_str(&without_directive(&text))
             .map_err(|error| yaml(one_line(&error.without_snippet().to_string())))?;

@@ -28,6 +28,16 @@ impl Frame {
         })
     }
 
+    /// A frame of samples that are at hand; `None` when a side is 0 or above 65535.
+    #[must_use]
+    pub fn from_rgb(image: image::RgbImage) -> Option<Self> {
+        let (width, height) = image.dimensions();
+        let sides = 1..=image_file::MAX_SIDE;
+        let rgb = image.into_raw();
+        let good = sides.contains(&width) && sides.contains(&height);
+        good.then(|| Self { width, height, gray: to_gray(&rgb), rgb: Some(rgb) })
+    }
+
     /// Pixels along x.
     #[must_use]
     pub const fn width(&self) -> u32 {

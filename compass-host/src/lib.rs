@@ -4,6 +4,7 @@
 pub mod calibration;
 pub mod commands;
 pub mod compare;
+pub mod dataset;
 pub mod eyes;
 pub mod figures;
 pub mod frame;
@@ -16,4 +17,5 @@ pub mod plan_import;
 pub mod reference;
 pub mod report;
 pub mod sample;
+pub mod simulate;
 pub mod site;

@@ -4,7 +4,13 @@
 //! rewrites the files.
 
 use compass_core::plan::Plan;
+use compass_core::raster::{BitMask, is_red};
 use compass_core::site_map::SiteMap;
+use compass_host::calibration::Calibration;
+use compass_host::dataset::tum::Pose;
+use compass_host::frame::Frame;
+use compass_host::sample::DEMO_POSE;
+use compass_host::simulate::{Scene, SceneOptions, render};
 use compass_host::site::{BuildOptions, build};
 use compass_tests::sample_plan;
 use std::path::Path;
@@ -51,4 +57,37 @@ fn committed_samples_are_current() {
     println!("{} candidates", site_map.len());
     compare("sample_plan.bin", &plan);
     compare("sample_map.bin", &map);
+}
+
+/// Width and height of the sample frames.
+const FRAME: (u32, u32) = (368, 360);
+
+/// The pose of the sample frames: the demo's, 1.6 m above the floor, hanging upside down and tilted.
+fn frame_pose() -> Pose {
+    let ([x, y], heading) = DEMO_POSE;
+    Pose::looking(0, [x, y, 1.6], heading, 4.0, 187.0)
+}
+
+/// The red pixels of interleaved RGB, in the layout of [`BitMask`].
+fn red_mask(rgb: &[u8]) -> Vec<u8> {
+    let row_bytes = BitMask::row_bytes(FRAME.0);
+    let mut mask = vec![0; row_bytes * FRAME.1 as usize];
+    for (at, pixel) in rgb.as_chunks::<3>().0.iter().enumerate() {
+        let (x, y) = (at % FRAME.0 as usize, at / FRAME.0 as usize);
+        mask[y * row_bytes + x / 8] |= u8::from(is_red(*pixel)) << (x % 8);
+    }
+    mask
+}
+
+#[test]
+fn committed_frames_are_current() {
+    let (raster, _) = sample_plan();
+    let rig = Calibration::nominal().rig([Some(FRAME); 2]).unwrap();
+    let scene = Scene::new(&SceneOptions::default(), raster);
+    for (camera, image) in render(&scene, &rig, &frame_pose()).into_iter().enumerate() {
+        let frame = Frame::from_rgb(image.unwrap()).unwrap();
+        let name = format!("frame_{}x{}_cam{camera}", FRAME.0, FRAME.1);
+        compare(&format!("{name}.gray"), frame.gray().pixels());
+        compare(&format!("{name}.red"), &red_mask(frame.rgb().unwrap()));
+    }
 }

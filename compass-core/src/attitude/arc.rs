@@ -23,6 +23,14 @@ pub struct Arc {
 }
 
 impl Arc {
+    /// For buffers.
+    pub const EMPTY: Self = Self {
+        normal: Bearing::new(0.0, 0.0, 0.0),
+        middle: Bearing::new(0.0, 0.0, 0.0),
+        weight: 0.0,
+        camera: 0,
+    };
+
     /// The arc of a segment in a camera's image; `None` if an end lies beyond the camera's field or 92 degrees
     /// from its axis, or the arc is shorter than 0.1 degrees.
     #[must_use]

@@ -40,6 +40,11 @@ pub struct Segment {
     pub score: u16,
 }
 
+impl Segment {
+    /// For buffers.
+    pub const EMPTY: Self = Self { x1: 0.0, y1: 0.0, x2: 0.0, y2: 0.0, score: 0 };
+}
+
 /// What the detector looks for. The defaults are those of ELSED.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Parameters {

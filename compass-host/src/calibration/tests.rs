@@ -210,3 +210,12 @@ fn three_decimals_make_a_rotation() {
     assert!((exact * exact.transpose() - Matrix3::identity()).amax() < 1e-14);
     assert!((exact - rounded).amax() < 1e-3);
 }
+
+#[test]
+fn the_nominal_rig_looks_both_ways() {
+    let rig = Calibration::nominal().rig([Some((736, 720)), Some((736, 720))]).unwrap();
+    let [front, back] = [0, 1].map(|number| *rig.view(number).unwrap());
+    let axis = back.rotation * compass_core::camera::Bearing::z();
+    assert!(axis.z < -0.999 && (back.position.norm() - 0.038).abs() < 1e-3, "{axis} {}", back.position);
+    assert!(front.camera.max_angle() > 96f32.to_radians() && back.camera.max_angle() > 96f32.to_radians());
+}

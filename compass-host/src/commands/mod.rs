@@ -11,6 +11,7 @@ mod pictures;
 mod plan;
 mod see;
 mod segments;
+mod simulate;
 mod windows;
 
 use clap::{Parser, Subcommand};
@@ -44,6 +45,8 @@ enum Command {
     Gravity(gravity::Gravity),
     /// Tell window from wall in every direction from one or two cameras
     See(see::See),
+    /// Render the frames of two fisheye cameras from a plan
+    Simulate(simulate::Simulate),
 }
 
 /// What the work came to; its exit status is 0 or 1.
@@ -71,6 +74,7 @@ impl Cli {
             Command::Windows(command) => command.run(),
             Command::Gravity(command) => command.run(),
             Command::See(command) => command.run(),
+            Command::Simulate(command) => command.run(),
         }
     }
 }

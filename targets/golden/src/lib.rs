@@ -1,13 +1,15 @@
 //! The stages of `compass-core`, one checksum each.
 //!
-//! The host, emulated Cortex-M boards and emulated ARM Linux all run this list on the same bytes. The
-//! core uses no floating point, so the checksums must be equal everywhere, bit for bit.
+//! The host, emulated Cortex-M boards and emulated ARM Linux all run this list on the same bytes. What
+//! floating point the core has is IEEE through one library, so the checksums must be equal everywhere, bit for bit.
 //!
 //! A stage reads the [`Inputs`] and what earlier stages left in the [`Workspace`], and leaves its own
 //! output there. Taking the checksum is a separate function, so that a target can count what the stage
 //! alone costs. To add a stage, give its output a field of [`Workspace`] and append it to [`STAGES`].
 #![no_std]
 #![forbid(unsafe_code)]
+
+mod eyes;
 
 use compass_core::descriptor::Descriptor;
 use compass_core::matching::{Answer, Board, Exact, GROUP, Group, Index, Match, exhaustive, shortlist};
@@ -19,6 +21,7 @@ use compass_core::site_map::{SiteMap, SketchQuery};
 use compass_core::spectrum::{Complex, MAX_POINTS, forward};
 use core::fmt::{self, Write as _};
 use crc::{CRC_32_ISO_HDLC, Crc, Digest};
+pub use eyes::Eyes;
 
 /// Angles of the trigonometry stages.
 const ANGLES: usize = 2 * BINS;
@@ -96,6 +99,7 @@ pub struct Workspace {
     bounds: [i32; CANDIDATES],
     exact_pool: [Match; EXACT_POOL],
     proven: Option<Answer>,
+    eyes: Eyes,
 }
 
 impl Workspace {
@@ -120,6 +124,7 @@ impl Workspace {
             bounds: [0; CANDIDATES],
             exact_pool: [Match::NONE; EXACT_POOL],
             proven: None,
+            eyes: Eyes::new(),
         }
     }
 }
@@ -198,7 +203,47 @@ pub const STAGES: &[Stage] = &[
             checksum(answer_words(w.proven.as_ref()).chain(bounds))
         },
     },
+    Stage {
+        name: "segments",
+        run: |_, w| w.eyes.detect(0),
+        checksum: |w| checksum(segment_words(&w.eyes, 0)),
+    },
+    Stage {
+        name: "segments_back",
+        run: |_, w| w.eyes.detect(1),
+        checksum: |w| checksum(segment_words(&w.eyes, 1)),
+    },
+    Stage { name: "attitude", run: |_, w| w.eyes.level(), checksum: |w| checksum(up_words(&w.eyes)) },
+    Stage { name: "windows", run: |_, w| w.eyes.look(), checksum: |w| checksum(sight_words(&w.eyes)) },
 ];
+
+/// The segments of a frame, bit for bit.
+fn segment_words(eyes: &Eyes, camera: usize) -> impl Iterator<Item = u32> + '_ {
+    let segments = eyes.segments[camera].iter().take(eyes.counts[camera]);
+    segments.flat_map(|s| [s.x1.to_bits(), s.y1.to_bits(), s.x2.to_bits(), s.y2.to_bits(), s.score.into()])
+}
+
+/// The up vector and its inliers.
+fn up_words(eyes: &Eyes) -> impl Iterator<Item = u32> + '_ {
+    eyes.vertical.iter().flat_map(|v| {
+        let [front, back] = v.inliers.map(u32::from);
+        [v.up.x.to_bits(), v.up.y.to_bits(), v.up.z.to_bits(), front, back]
+    })
+}
+
+/// The windows, and what is told of each bin.
+fn sight_words(eyes: &Eyes) -> impl Iterator<Item = u32> + '_ {
+    eyes.sighting.iter().flat_map(|sighting| {
+        let windows = eyes.windows.iter().take(sighting.count).flat_map(|w| {
+            let [[left, right], [top, bottom]] = [w.columns, w.rows].map(|pair| pair.map(u32::from));
+            [left, right, top, bottom, w.score as u32, w.camera.into()]
+        });
+        let bins = sighting.hit.iter().zip(sighting.confidence.sixteenths()).zip(&sighting.evidence);
+        windows.chain(bins.flat_map(|((hit, confidence), evidence)| {
+            [*hit as u32, u32::from(*confidence), *evidence as u32]
+        }))
+    })
+}
 
 /// Runs all stages and reports the name and checksum of each.
 pub fn run(inputs: &Inputs<'_>, workspace: &mut Workspace, report: &mut dyn FnMut(&str, u32)) {
@@ -379,6 +424,26 @@ mod tests {
             assert!(best.heading().distance(inputs.heading) < Turn::from_ratio(5, 360), "{best:?}");
         }
         assert!(workspace.proven.as_ref().unwrap().exhaustive);
+    }
+
+    #[test]
+    fn the_eyes_see_the_sample_building() {
+        let mut workspace = Box::new(Workspace::new());
+        run(&Inputs::SAMPLE, &mut workspace, &mut |_, _| ());
+        let eyes = &workspace.eyes;
+        assert!(eyes.counts.iter().all(|count| *count > 40), "{:?}", eyes.counts);
+        let up = eyes.vertical.expect("there are upright lines");
+        // The frames are tilted by 4 and rolled by 187 degrees.
+        assert!((up.roll_deg() + 173.0).abs() < 1.5 && (up.pitch_deg() - 4.0).abs() < 1.5, "{up:?}");
+        let sighting = eyes.sighting.as_ref().expect("up is known");
+        std::println!("{} windows", sighting.count);
+        assert!(!sighting.truncated);
+        // Against what the plan says at the same pose.
+        let seen = sighting.hit.iter().zip(sighting.confidence.sixteenths()).zip(&workspace.scan.hit);
+        let (agree, all) = seen
+            .filter(|((_, confidence), _)| **confidence > 0)
+            .fold((0, 0), |(agree, all), ((a, _), b)| (agree + usize::from(a == b), all + 1));
+        assert!(all > 300 && agree * 100 > 75 * all, "{agree} of {all}");
     }
 
     #[test]

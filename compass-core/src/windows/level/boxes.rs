@@ -46,6 +46,9 @@ pub struct WindowBox {
 }
 
 impl WindowBox {
+    /// For buffers.
+    pub const EMPTY: Self = Self { start: 0, end: 0, top: 0, bottom: 0, score: 0, next: 0 };
+
     pub(super) fn width(&self) -> usize {
         usize::from(self.end - self.start)
     }

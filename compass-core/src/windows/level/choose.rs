@@ -22,6 +22,11 @@ pub struct Column {
     list: u16,
 }
 
+impl Column {
+    /// For buffers.
+    pub const EMPTY: Self = Self { before: 0, after: 0, evidence: 0, chosen: 0, list: 0 };
+}
+
 /// Chooses among `boxes` around the circle of `columns.len() - 1` columns.
 ///
 /// The circle is cut where the boxes in favour weigh least; what crosses the cut is dropped. Then a dynamic program over

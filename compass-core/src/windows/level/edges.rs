@@ -35,6 +35,11 @@ pub struct Upright {
     length: i32,
 }
 
+impl Upright {
+    /// For buffers.
+    pub const EMPTY: Self = Self { x: 0, top: 0, bottom: 0, length: 0 };
+}
+
 /// A vertical line on the ring that may border a window; positions in 1/16 cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Edge {

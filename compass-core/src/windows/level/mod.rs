@@ -66,6 +66,9 @@ pub struct Window {
 }
 
 impl Window {
+    /// For buffers.
+    pub const EMPTY: Self = Self { columns: [0; 2], rows: [0; 2], score: 0, camera: 0 };
+
     /// Azimuths in degrees counter-clockwise from the heading, from the right edge to the left; the first within
     /// -180 to 180.
     #[must_use]

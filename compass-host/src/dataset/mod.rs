@@ -1,0 +1,3 @@
+//! Recordings and what belongs to them.
+
+pub mod tum;

@@ -1,0 +1,80 @@
+//! Rendered frames as a dataset in the `EuRoC` layout: `cam0/data.csv` with `cam0/data/…`, likewise `cam1`, and
+//! `groundtruth.txt`.
+
+use super::Renderer;
+use crate::dataset::tum::{self, Pose};
+use crate::output::{create_dir, write_file};
+use crate::site::progress;
+use anyhow::{Context as _, Result};
+use image::{ImageEncoder as _, RgbImage};
+use rayon::prelude::*;
+use std::fmt::Write as _;
+use std::path::Path;
+
+/// How frames are stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// JPEG of a quality from 1 to 100.
+    Jpeg(u8),
+    /// PNG.
+    Png,
+}
+
+impl Format {
+    const fn extension(self) -> &'static str {
+        match self {
+            Self::Jpeg(_) => "jpg",
+            Self::Png => "png",
+        }
+    }
+
+    fn encode(self, frame: &RgbImage) -> Result<Vec<u8>> {
+        let mut bytes = Vec::new();
+        let (width, height, colour) = (frame.width(), frame.height(), image::ExtendedColorType::Rgb8);
+        let encoded = match self {
+            Self::Jpeg(quality) => image::codecs::jpeg::JpegEncoder::new_with_quality(&mut bytes, quality)
+                .write_image(frame, width, height, colour),
+            Self::Png => {
+                image::codecs::png::PngEncoder::new(&mut bytes).write_image(frame, width, height, colour)
+            }
+        };
+        encoded?;
+        Ok(bytes)
+    }
+}
+
+/// Renders all poses and writes them as a dataset. Frames are written first and listed last: a dataset that
+/// was interrupted has no `data.csv`.
+///
+/// # Errors
+/// Names the file or directory that could not be written.
+pub fn write(dir: &Path, renderer: &Renderer<'_>, poses: &[Pose], format: Format) -> Result<()> {
+    let cameras: Vec<usize> = renderer.cameras().collect();
+    for camera in &cameras {
+        create_dir(&dir.join(format!("cam{camera}/data")))?;
+    }
+    let bar = progress(poses.len(), "rendering frames");
+    poses.par_iter().try_for_each(|pose| -> Result<()> {
+        for (camera, frame) in renderer.render(pose).iter().enumerate() {
+            let Some(frame) = frame else { continue };
+            let path = dir.join(format!("cam{camera}/data")).join(file_name(pose, format));
+            let bytes = format.encode(frame).with_context(|| path.display().to_string())?;
+            write_file(&path, &bytes)?;
+        }
+        bar.inc(1);
+        Ok(())
+    })?;
+    bar.finish_and_clear();
+    let mut list = String::from("#timestamp [ns],filename\n");
+    for pose in poses {
+        let _ = writeln!(list, "{},{}", pose.timestamp_ns, file_name(pose, format));
+    }
+    for camera in cameras {
+        write_file(&dir.join(format!("cam{camera}/data.csv")), list.as_bytes())?;
+    }
+    write_file(&dir.join("groundtruth.txt"), tum::text(poses).as_bytes())
+}
+
+fn file_name(pose: &Pose, format: Format) -> String {
+    format!("{}.{}", pose.timestamp_ns, format.extension())
+}

@@ -1,0 +1,212 @@
+//! Dual-fisheye frames rendered from a floor plan: the plan's walls and glazing as a storey of concrete with
+//! windows, through the lenses of a calibration.
+//!
+//! Everything is drawn by the renderer itself, from seeds: the same options give the same bytes on every
+//! machine, for any number of threads.
+//!
+//! # Axes
+//! Map: x right, y up, z up from the floor. Poses are those of camera 0 (x right, y down, z forward).
+
+pub mod dataset;
+mod fan;
+mod grid;
+mod light;
+mod panes;
+mod scene;
+mod sensor;
+mod shade;
+mod solids;
+mod texture;
+
+pub use scene::{Scene, SceneOptions};
+
+use crate::dataset::tum::Pose;
+use compass_core::camera::{Pixel, Rig, View};
+use fan::Fan;
+use image::RgbImage;
+use nalgebra::{Matrix3, Vector3};
+use rand::{RngExt as _, SeedableRng as _};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rayon::prelude::*;
+use sensor::Exposure;
+use shade::Shader;
+use solids::{Sight, Solid};
+
+/// Half the angle that the lenses see, radians: 95.5 degrees.
+const FIELD: f32 = 1.667;
+
+/// Angle over which the image fades out towards its rim, radians.
+const RIM: f32 = 0.03;
+
+/// Widest image that is supersampled unless asked otherwise.
+const SUPERSAMPLED: u16 = 800;
+
+/// Renders a pair of frames with the default sampling: see [`Renderer`] to render many.
+///
+/// A camera that the rig lacks has no frame.
+#[must_use]
+pub fn render(scene: &Scene, rig: &Rig, pose: &Pose) -> [Option<RgbImage>; 2] {
+    Renderer::new(scene, rig, None).render(pose)
+}
+
+/// A scene as the cameras of a rig see it, with the bearings of all pixels worked out.
+#[derive(Debug)]
+pub struct Renderer<'a> {
+    scene: &'a Scene,
+    lenses: [Option<Lens>; 2],
+}
+
+impl<'a> Renderer<'a> {
+    /// Prepares the lenses. Each pixel takes the mean of `samples` x `samples` rays; when absent, 2 x 2 for
+    /// images up to 800 pixels wide, 1 above.
+    #[must_use]
+    pub fn new(scene: &'a Scene, rig: &Rig, samples: Option<u16>) -> Self {
+        let lens = |number: usize| {
+            rig.view(number).map(|view| {
+                let small = if view.width <= SUPERSAMPLED { 2 } else { 1 };
+                Lens::new(view, samples.unwrap_or(small).max(1))
+            })
+        };
+        Self { scene, lenses: [lens(0), lens(1)] }
+    }
+
+    /// The numbers of the cameras that the rig has.
+    pub fn cameras(&self) -> impl Iterator<Item = usize> {
+        (0..2).filter(|&number| self.lenses[number].is_some())
+    }
+
+    /// The frames at a pose; `None` for a camera that the rig lacks.
+    #[must_use]
+    pub fn render(&self, pose: &Pose) -> [Option<RgbImage>; 2] {
+        let mut rng = Xoshiro256PlusPlus::seed_from_u64(self.scene.options.seed ^ pose.timestamp_ns);
+        let company = self.company(pose, &mut rng);
+        self.lenses.each_ref().map(|lens| {
+            let exposure = lens.as_ref()?.expose(self.scene, pose, &company);
+            Some(exposure.develop(&self.scene.look, &mut rng))
+        })
+    }
+
+    /// Camera 0 over the floor.
+    fn camera(&self, pose: &Pose) -> Vector3<f64> {
+        pose.position - Vector3::z() * self.scene.options.floor_m
+    }
+
+    /// The people around a pose, and who carries the rig.
+    fn company(&self, pose: &Pose, rng: &mut Xoshiro256PlusPlus) -> Vec<Solid> {
+        let (scene, camera) = (self.scene, self.camera(pose));
+        let mut solids = Vec::new();
+        if scene.options.operator {
+            let forward = pose.rotation * Vector3::z();
+            let flat = (forward.x * forward.x + forward.y * forward.y).sqrt();
+            let forward = if flat > 1e-6 { [forward.x / flat, forward.y / flat] } else { [1.0, 0.0] };
+            let side = if scene.options.style % 2 == 0 { -1.0 } else { 1.0 };
+            solids.extend(solids::operator(camera.cast(), forward.map(|v| v as f32), side));
+        }
+        for number in 0..scene.options.people {
+            // A place in sight, if one is found soon.
+            for _ in 0..40 {
+                let angle = rng.random::<f64>() * std::f64::consts::TAU;
+                let distance = 1.4 + 5.6 * rng.random::<f64>();
+                let direction = [libm::cos(angle), libm::sin(angle)];
+                let at = [camera.x + distance * direction[0], camera.y + distance * direction[1]];
+                let seen = scene.grid.range([camera.x, camera.y], direction, &scene.panes) > distance + 0.3;
+                if seen && scene.grid.room(at[0], at[1]) > 0.3 {
+                    let red = number == 0 || rng.random::<f64>() < 0.5;
+                    solids.extend(solids::person(at.map(|v| v as f32), red, rng));
+                    break;
+                }
+            }
+        }
+        solids
+    }
+}
+
+/// A camera with the bearings of its samples.
+#[derive(Debug)]
+struct Lens {
+    width: usize,
+    height: usize,
+    /// Samples along a side of a pixel.
+    samples: usize,
+    /// In the camera, row by row of samples; beyond the field zero.
+    bearings: Vec<[f32; 3]>,
+    rotation: Matrix3<f64>,
+    position: Vector3<f64>,
+    /// Radians that a sample covers.
+    sample: f32,
+}
+
+impl Lens {
+    fn new(view: &View, samples: u16) -> Self {
+        let (width, height) = (usize::from(view.width), usize::from(view.height));
+        let samples = usize::from(samples);
+        let side = width * samples;
+        let place = |k: usize| (k as f32 + 0.5) / samples as f32 - 0.5;
+        let bearing = |at: usize| {
+            let bearing = view.camera.unproject(Pixel { x: place(at % side), y: place(at / side) });
+            bearing.map_or([0.0; 3], Into::into)
+        };
+        let bearings = (0..side * height * samples).into_par_iter().map(bearing).collect();
+        let focal = view.camera.intrinsics().fx * samples as f32;
+        Self {
+            width,
+            height,
+            samples,
+            bearings,
+            rotation: view.rotation.cast(),
+            position: view.position.cast(),
+            sample: 1.0 / focal,
+        }
+    }
+
+    /// The light that falls on the sensor.
+    fn expose(&self, scene: &Scene, pose: &Pose, company: &[Solid]) -> Exposure {
+        let turn = pose.rotation.to_rotation_matrix().into_inner();
+        let rotation: Matrix3<f32> = (turn * self.rotation).cast();
+        let place = pose.position + turn * self.position - Vector3::z() * scene.options.floor_m;
+        let from: Vector3<f32> = place.cast();
+        let fan = Fan::new(scene, [place.x, place.y]);
+        // Nobody carries the rig through a box.
+        let boxes = scene.boxes.iter().filter(|solid| solid.gap(from.x, from.y) > 0.5);
+        let sight = Sight::new(boxes.chain(company), from);
+        let shader = Shader { scene, fan: &fan, sight: &sight, from, sample: self.sample };
+        let pixel = |at: usize| self.pixel(&shader, &rotation, at % self.width, at / self.width);
+        let (light, vignette) = (0..self.width * self.height).into_par_iter().map(pixel).unzip();
+        Exposure { width: self.width, height: self.height, light, vignette }
+    }
+
+    /// Light and vignetting of a pixel.
+    fn pixel(&self, shader: &Shader<'_>, rotation: &Matrix3<f32>, x: usize, y: usize) -> ([f32; 3], f32) {
+        let (mut light, mut vignette) = ([0.0; 3], 0.0);
+        let mut seen = 0.0;
+        for row in y * self.samples..(y + 1) * self.samples {
+            let first = (row * self.width + x) * self.samples;
+            for bearing in &self.bearings[first..first + self.samples] {
+                let passed = transmission(*bearing);
+                if passed > 0.0 {
+                    // A window's glare would otherwise outweigh all other samples of the pixel.
+                    let radiance = shader.radiance(rotation * Vector3::from(*bearing));
+                    light = std::array::from_fn(|i| light[i] + radiance[i].min(4.0));
+                    vignette += passed;
+                    seen += 1.0;
+                }
+            }
+        }
+        let count = (self.samples * self.samples) as f32;
+        (light.map(|v: f32| v / f32::max(seen, 1.0)), vignette / count)
+    }
+}
+
+/// Share of the light that the lens lets through from a bearing: less towards the rim, none beyond.
+fn transmission(bearing: [f32; 3]) -> f32 {
+    if bearing == [0.0; 3] {
+        return 0.0;
+    }
+    let angle = libm::acosf(bearing[2].clamp(-1.0, 1.0));
+    let rim = ((FIELD - angle) / RIM).clamp(0.0, 1.0);
+    let share = angle / FIELD;
+    rim * (1.0 - 0.45 * share * share * share * share)
+}
+
+#[cfg(test)]
+mod tests;
