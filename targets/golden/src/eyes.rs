@@ -11,9 +11,9 @@ use compass_core::windows::level::{
 };
 
 /// Size of the frames.
-pub const WIDTH: u16 = 368;
+pub(crate) const WIDTH: u16 = 368;
 /// Size of the frames.
-pub const HEIGHT: u16 = 360;
+pub(crate) const HEIGHT: u16 = 360;
 const PIXELS: usize = segments::pixels(WIDTH as u32, HEIGHT as u32);
 const TRAIL: usize = segments::trail_len(WIDTH as u32, HEIGHT as u32);
 /// Most segments of a frame.

@@ -3,7 +3,7 @@
 #![no_main]
 
 use compass_firmware::{counter::Counter, stack};
-use compass_golden::{Inputs, STAGES, Workspace};
+use compass_golden::{Eyes, Inputs, STAGES, Workspace};
 use core::hint::black_box;
 use cortex_m_rt::entry;
 use semihosting::{println, process};
@@ -19,6 +19,7 @@ fn main() -> ! {
         println!("check {} {:#010x}", stage.name, (stage.checksum)(WORKSPACE));
         println!("insns {} {instructions}", stage.name);
     }
+    println!("ram eyes {}", size_of::<Eyes>());
     println!("stack {}", stack::high_water_mark());
     process::exit(0)
 }
