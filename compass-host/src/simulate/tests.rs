@@ -154,8 +154,9 @@ fn only_thin_interior_walls_go_missing() {
             .filter(|&(x, y)| grid.cell(x, y) == WALL)
             .count()
     };
+    // The columns and pillars of these rooms are a tenth of their walls, and stay.
     let (facade, rooms) = ((100..3100, 100..140), (400..2900, 170..600));
-    for (missing, least, most) in [(0.0, 0.0, 0.0), (0.3, 0.05, 0.6), (1.0, 0.9, 1.0)] {
+    for (missing, least, most) in [(0.0, 0.0, 0.0), (0.3, 0.05, 0.6), (1.0, 0.85, 0.95)] {
         let torn = Scene::new(&SceneOptions { missing, ..empty() }, &raster).grid;
         let count = |grid, (columns, rows): &(std::ops::Range<i64>, _)| {
             walls(grid, columns.clone(), std::ops::Range::clone(rows)) as f64
