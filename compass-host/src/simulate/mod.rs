@@ -21,7 +21,7 @@ mod texture;
 pub use scene::{Scene, SceneOptions};
 
 use crate::dataset::tum::Pose;
-use compass_core::camera::{Pixel, Rig, View};
+use compass_core::camera::{Camera, Pixel, Rig, View};
 use fan::Fan;
 use image::RgbImage;
 use nalgebra::{Matrix3, Vector3};
@@ -37,6 +37,12 @@ const FIELD: f32 = 1.667;
 
 /// Angle over which the image fades out towards its rim, radians.
 const RIM: f32 = 0.03;
+
+/// With one sample a pixel, those that differ from a neighbour by this share of both take four.
+const EDGE: f32 = 0.12;
+
+/// Light that a sample has at most: the glare of a window would otherwise outweigh the rest of a pixel.
+const GLARE: f32 = 4.0;
 
 /// Widest image that is supersampled unless asked otherwise.
 const SUPERSAMPLED: u16 = 800;
@@ -130,6 +136,7 @@ struct Lens {
     samples: usize,
     /// In the camera, row by row of samples; beyond the field zero.
     bearings: Vec<[f32; 3]>,
+    camera: Camera,
     rotation: Matrix3<f64>,
     position: Vector3<f64>,
     /// Radians that a sample covers.
@@ -153,6 +160,7 @@ impl Lens {
             height,
             samples,
             bearings,
+            camera: view.camera,
             rotation: view.rotation.cast(),
             position: view.position.cast(),
             sample: 1.0 / focal,
@@ -171,7 +179,11 @@ impl Lens {
         let sight = Sight::new(boxes.chain(company), from);
         let shader = Shader { scene, fan: &fan, sight: &sight, from, sample: self.sample };
         let pixel = |at: usize| self.pixel(&shader, &rotation, at % self.width, at / self.width);
-        let (light, vignette) = (0..self.width * self.height).into_par_iter().map(pixel).unzip();
+        let (mut light, vignette): (Vec<_>, _) =
+            (0..self.width * self.height).into_par_iter().map(pixel).unzip();
+        if self.samples == 1 {
+            self.refine(&shader, &rotation, &mut light);
+        }
         Exposure { width: self.width, height: self.height, light, vignette }
     }
 
@@ -184,9 +196,8 @@ impl Lens {
             for bearing in &self.bearings[first..first + self.samples] {
                 let passed = transmission(*bearing);
                 if passed > 0.0 {
-                    // A window's glare would otherwise outweigh all other samples of the pixel.
                     let radiance = shader.radiance(rotation * Vector3::from(*bearing));
-                    light = std::array::from_fn(|i| light[i] + radiance[i].min(4.0));
+                    light = std::array::from_fn(|i| light[i] + radiance[i].min(GLARE));
                     vignette += passed;
                     seen += 1.0;
                 }
@@ -194,6 +205,37 @@ impl Lens {
         }
         let count = (self.samples * self.samples) as f32;
         (light.map(|v: f32| v / f32::max(seen, 1.0)), vignette / count)
+    }
+}
+
+impl Lens {
+    /// Takes four samples of the pixels along edges.
+    fn refine(&self, shader: &Shader<'_>, rotation: &Matrix3<f32>, light: &mut [[f32; 3]]) {
+        let differs = |at: usize, there: usize| {
+            let (a, b) = (light[at][1], light.get(there).map_or(light[at][1], |v| v[1]));
+            (a - b).abs() > EDGE * (a + b)
+        };
+        let around = |at: usize| [at + 1, at + self.width, at.wrapping_sub(1), at.wrapping_sub(self.width)];
+        let edges: Vec<usize> = (0..light.len())
+            .into_par_iter()
+            .filter(|&at| around(at).into_iter().any(|there| differs(at, there)))
+            .collect();
+        let finer: Vec<_> = edges.par_iter().map(|&at| self.four(shader, rotation, at)).collect();
+        for (at, finer) in edges.into_iter().zip(finer) {
+            light[at] = finer.unwrap_or(light[at]);
+        }
+    }
+
+    /// The mean of four samples of a pixel; `None` when not all of them are in the field.
+    fn four(&self, shader: &Shader<'_>, rotation: &Matrix3<f32>, at: usize) -> Option<[f32; 3]> {
+        let (x, y) = ((at % self.width) as f32, (at / self.width) as f32);
+        let mut sum = [0.0; 3];
+        for (dx, dy) in [(-0.25, -0.25), (0.25, -0.25), (-0.25, 0.25), (0.25, 0.25)] {
+            let bearing = self.camera.unproject(Pixel { x: x + dx, y: y + dy })?;
+            let radiance = shader.radiance(rotation * bearing);
+            sum = std::array::from_fn(|i| sum[i] + radiance[i].min(GLARE) / 4.0);
+        }
+        Some(sum)
     }
 }
 
