@@ -5,7 +5,7 @@ use compass_core::camera::{Bearing, Rig, View};
 use compass_core::raster::{BitMask, GrayImage, RgbImage};
 use compass_core::segments::{Detected, Parameters, Segment, SegmentsError};
 use compass_core::windows::level::{
-    self, Buffers, Column, Finder, Level, MAX_BOXES, MAX_UPRIGHTS, Red, Resolution, Sighting, Upright,
+    self, Buffers, Column, Edge, Finder, Level, MAX_BOXES, MAX_UPRIGHTS, Red, Resolution, Sighting, Upright,
     Window, WindowBox,
 };
 use thiserror::Error;
@@ -56,6 +56,8 @@ pub struct Eyes {
     uprights: Vec<Upright>,
     boxes: Vec<WindowBox>,
     windows: Vec<Window>,
+    /// How many uprights and boxes the last pair of frames left in the buffers.
+    considered: [usize; 2],
 }
 
 /// What was seen in a pair of frames.
@@ -86,6 +88,7 @@ impl Eyes {
             uprights: vec![Upright::default(); 4 * MAX_UPRIGHTS],
             boxes: vec![WindowBox::default(); 4 * MAX_BOXES],
             windows: vec![Window::default(); MAX_WINDOWS],
+            considered: [0; 2],
         }
     }
 
@@ -148,6 +151,7 @@ impl Eyes {
             finder.add(camera, &image, red, eye.detector.segments(&eye.detected));
         }
         let sighting = finder.finish(&mut self.windows);
+        self.considered = [sighting.uprights, sighting.boxes];
         let windows = &self.windows[..sighting.count];
         Ok(Seen { sighting, windows, level })
     }
@@ -156,6 +160,21 @@ impl Eyes {
     #[must_use]
     pub fn up(&self, given: Option<Bearing>) -> Bearing {
         given.unwrap_or_else(|| Bearing::new(0.0, -1.0, 0.0))
+    }
+
+    /// The boxes that [`windows`](Self::windows) chose among: for pictures.
+    #[must_use]
+    pub fn boxes(&self) -> &[WindowBox] {
+        &self.boxes[..self.considered[1]]
+    }
+
+    /// The edges that those boxes lie between, but for where the view ends: for pictures.
+    #[must_use]
+    pub fn edges(&self) -> Vec<Edge> {
+        let mut uprights = self.uprights[..self.considered[0]].to_vec();
+        let mut edges = Vec::new();
+        level::visit_edges(&mut uprights, self.resolution, |edge| edges.push(*edge));
+        edges
     }
 
     /// Brightness ranks of the ring after [`windows`](Self::windows), 0 where nothing is known: for pictures.

@@ -60,12 +60,6 @@ impl CameraArgs {
     }
 }
 
-impl Cameras {
-    pub(super) fn frames(&self) -> [Option<&Frame>; 2] {
-        self.frames.each_ref().map(Option::as_ref)
-    }
-}
-
 /// Three finite numbers that are not all zero, `X,Y,Z`.
 pub(super) fn vector(text: &str) -> Result<[f64; 3], String> {
     let parts: Vec<_> = text.split(',').map(|part| finite(part.trim())).collect();

@@ -148,6 +148,7 @@ fn draw(dir: &Path, run: &Run, poses: &[Pose]) -> Result<()> {
         first: &run.query.hit,
         second_label: "best candidate",
         second: &matched.hit,
+        known: None,
         cosine: hit_cosine(&run.query, &matched, Similarity::Plain),
         centred: hit_cosine(&run.query, &matched, Similarity::Centred),
     };

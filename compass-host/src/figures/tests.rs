@@ -151,6 +151,7 @@ fn hit_comparisons_show_as_much_agreement_as_there_is() {
         first: &first,
         second_label: "map",
         second: &second,
+        known: None,
         cosine: 0.973,
         centred: -0.412,
     };
