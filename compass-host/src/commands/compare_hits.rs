@@ -4,7 +4,7 @@ use super::Outcome;
 use super::cameras::CameraArgs;
 use super::plan::{PlanArgs, finite, pair};
 use crate::cross_modal::CrossModal;
-use crate::figures::{self, Curve, HitComparison};
+use crate::figures::{self, Curve, HitComparison, Shifts};
 use crate::output::{Decimal, JsonOption, create_dir};
 use anyhow::{Context as _, Result};
 use compass_core::num::BINS;
@@ -121,7 +121,7 @@ fn draw(dir: &Path, seen: &[Hit; BINS], plan: &Scan, compared: &CrossModal) -> R
     figures::draw_hits_polar(&dir.join("hits-polar.png"), &hits)?;
     let curve = |label, score| Curve { label, score };
     let curves = [curve("plain", &compared.cosine), curve("centred", &compared.centred)];
-    figures::draw_correlation(&dir.join("correlation.png"), &curves)?;
+    figures::draw_correlation(&dir.join("correlation.png"), &curves, Shifts::Signed)?;
     Ok(())
 }
 

@@ -106,10 +106,9 @@ impl Found<'_> {
                 continue;
             }
             if usize::from(window.camera) == camera {
-                let middle =
-                    |axis: usize| outline.iter().map(|point| point[axis]).sum::<f64>() / outline.len() as f64;
+                let highest = outline.iter().copied().reduce(|a, b| if b[1] < a[1] { b } else { a });
                 let note = format!("{:.1}", f64::from(window.score) / 256.0).replace('-', "\u{2212}");
-                here.notes.push(([middle(0), middle(1)], note));
+                here.notes.extend(highest.map(|at| (at, note)));
                 here.lines.push(outline);
             } else {
                 there.lines.push(outline);
@@ -197,9 +196,8 @@ pub(super) fn paper(dir: &Path, camera: usize, frame: &Frame, finder: &PaperFind
     let mut windows = Layer::new("windows, with their scores", RED, 5.0);
     for window in finder.windows() {
         windows.lines.push(rectangle(window));
-        let middle = |a: u16, b: u16| (f64::from(a) + f64::from(b)) / 2.0;
-        let at = [middle(window.x0, window.x1), middle(window.y0, window.y1)];
-        windows.notes.push((at, window.score.to_string()));
+        let top = [f64::from(window.x0.midpoint(window.x1)), f64::from(window.y0)];
+        windows.notes.push((top, window.score.to_string()));
     }
     layers.extend([band, edges, windows]);
     let caption = format!("The paper's finder on the frame of cam{camera}: proposals by why they go");

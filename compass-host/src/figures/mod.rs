@@ -24,7 +24,7 @@ mod site_map;
 mod style;
 mod text;
 
-pub use correlation::{Curve, draw_correlation};
+pub use correlation::{Curve, Shifts, draw_correlation};
 pub use descriptor::draw_descriptor;
 pub use errors::{ErrorSeries, draw_error_cdf};
 pub use hits::{HitComparison, draw_hits_linear, draw_hits_polar};

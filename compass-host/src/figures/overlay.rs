@@ -22,7 +22,7 @@ pub struct Layer {
     pub width: f64,
     /// The lines, each through all of its points.
     pub lines: Vec<Vec<[f64; 2]>>,
-    /// Notes and where they are.
+    /// Notes, each to stand above a position.
     pub notes: Vec<([f64; 2], String)>,
 }
 
@@ -59,10 +59,9 @@ pub fn draw_overlay(path: &Path, caption: &str, frame: &Frame, layers: &[Layer])
                 canvas.line(&points, pen)?;
             }
         }
-        for (at, note) in layers.iter().flat_map(|layer| &layer.notes) {
-            draw_note(canvas, within(place(*at), shown), shown, note)?;
-        }
-        Ok(())
+        let mut notes = Notes::new(shown);
+        let mut written = layers.iter().flat_map(|layer| &layer.notes);
+        written.try_for_each(|(at, note)| notes.write(canvas, within(place(*at), shown), note))
     })
 }
 
@@ -86,13 +85,43 @@ fn draw_frame(canvas: &Canvas<'_>, rect: Rect, frame: &Frame) -> Drawn {
     })
 }
 
-/// A small text on a plate, kept on the picture.
-pub(super) fn draw_note(canvas: &Canvas<'_>, [x, y]: Px, bounds: Rect, text: &str) -> Drawn {
-    let half = text_width(text, TICK_PX)? / 2.0 + 5.0;
-    let x = x.clamp(bounds.left + half, (bounds.right - half).max(bounds.left + half));
-    let y = y.clamp(bounds.top + 16.0, (bounds.bottom - 16.0).max(bounds.top + 16.0));
-    let plate = Rect { left: x - half, top: y - 15.0, right: x + half, bottom: y + 15.0 };
-    canvas.fill(plate, PAPER)?;
-    canvas.outline(plate, Pen::solid(INK, 1.0))?;
-    canvas.text([x, y], TICK_PX, CENTRE, text)
+/// Small texts on plates that keep clear of each other.
+#[derive(Debug)]
+pub(super) struct Notes {
+    bounds: Rect,
+    placed: Vec<Rect>,
+}
+
+impl Notes {
+    /// Notes within `bounds`.
+    pub(super) const fn new(bounds: Rect) -> Self {
+        Self { bounds, placed: Vec::new() }
+    }
+
+    /// Writes a note above a position, or as little higher as there is room.
+    pub(super) fn write(&mut self, canvas: &Canvas<'_>, [x, y]: Px, text: &str) -> Drawn {
+        let half = text_width(text, TICK_PX)? / 2.0 + 5.0;
+        let Rect { left, top, right, bottom } = self.bounds;
+        let x = x.clamp(left + half, (right - half).max(left + half));
+        let plate = |step: i32| {
+            let y = y - NOTE * (f64::from(step) + 0.6);
+            let y = y.clamp(top + NOTE / 2.0, (bottom - NOTE / 2.0).max(top + NOTE / 2.0));
+            Rect { left: x - half, top: y - NOTE / 2.0, right: x + half, bottom: y + NOTE / 2.0 }
+        };
+        let is_free = |plate: &Rect| !self.placed.iter().any(|other| touch(plate, other));
+        let plate = (0..STEPS).map(plate).find(is_free).unwrap_or_else(|| plate(0));
+        self.placed.push(plate);
+        let inside = plate.inset(0.0, 1.0, 0.0, 1.0);
+        canvas.fill(inside, PAPER)?;
+        canvas.outline(inside, Pen::solid(INK, 1.0))?;
+        canvas.text(plate.centre(), TICK_PX, CENTRE, text)
+    }
+}
+
+/// Height of a note, and how many of them are stacked at most.
+const NOTE: f64 = 32.0;
+const STEPS: i32 = 12;
+
+fn touch(a: &Rect, b: &Rect) -> bool {
+    a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom
 }

@@ -9,7 +9,7 @@ use plotters::style::RGBColor;
 
 use super::canvas::{CENTRE, Canvas, Drawn, LEFT, RIGHT, Rect};
 use super::output::FigureError;
-use super::overlay::draw_note;
+use super::overlay::Notes;
 use super::page::{Entry, Page, Symbol};
 use super::style::{INK, Pen, TICK_PX, UNKNOWN, WALL, WINDOW, number};
 
@@ -36,7 +36,7 @@ pub struct RingPicture<'a> {
 const LEAST_NATS: i16 = -1;
 /// Space to the left of the ring for the elevations.
 const BESIDE: f64 = 76.0;
-/// Space above a half for the ends of its azimuths, and between the two.
+/// Space above each half, and below the lower.
 const BETWEEN: f64 = 30.0;
 /// Height of the ticks of edges, of the azimuths and of the hits below a half.
 const TICKS: f64 = 34.0;
@@ -71,7 +71,7 @@ pub fn draw_ring(path: &Path, data: &RingPicture<'_>) -> Result<(), FigureError>
         path,
         caption: "The levelled ring, ahead (above) and behind (below): brightness rank by azimuth and elevation",
         legend,
-        body: 2.0 * (height + BETWEEN),
+        body: 2.0 * height + 3.0 * BETWEEN,
     };
     page.draw(|canvas, body| {
         for (n, middle_deg) in [0, -180].into_iter().enumerate() {
@@ -147,11 +147,12 @@ impl Half<'_> {
         for w in self.data.windows {
             self.draw_box(canvas, w.columns, w.rows, Pen::solid(CHOSEN, 5.0))?;
         }
+        let mut notes = Notes::new(frame);
         for w in self.data.windows {
-            for [left, right] in self.span(w.columns.map(f64::from)).filter(|[l, r]| r - l > 20.0) {
+            for [left, right] in self.span(w.columns.map(f64::from)).filter(|[l, r]| r - l > 4.0) {
                 let text = format!("{:.1}", f64::from(w.score) / 256.0).replace('-', "\u{2212}");
-                let at = [(left + right) / 2.0, self.y_px(f64::from(w.rows[0])) - 20.0];
-                draw_note(canvas, at, frame, &text)?;
+                let at = [(left + right) / 2.0, self.y_px(f64::from(w.rows[0]))];
+                notes.write(canvas, at, &text)?;
             }
         }
         self.draw_scale(canvas)?;
