@@ -104,7 +104,7 @@ impl Notes {
         let Rect { left, top, right, bottom } = self.bounds;
         let x = x.clamp(left + half, (right - half).max(left + half));
         let plate = |step: i32| {
-            let y = y - NOTE * (f64::from(step) + 0.6);
+            let y = y - NOTE * (f64::from(step) / 4.0 + 0.6);
             let y = y.clamp(top + NOTE / 2.0, (bottom - NOTE / 2.0).max(top + NOTE / 2.0));
             Rect { left: x - half, top: y - NOTE / 2.0, right: x + half, bottom: y + NOTE / 2.0 }
         };
@@ -118,9 +118,9 @@ impl Notes {
     }
 }
 
-/// Height of a note, and how many of them are stacked at most.
+/// Height of a note, and how many quarters of it are tried for room.
 const NOTE: f64 = 32.0;
-const STEPS: i32 = 12;
+const STEPS: i32 = 48;
 
 fn touch(a: &Rect, b: &Rect) -> bool {
     a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom
