@@ -6,7 +6,7 @@ use compass_core::camera::{Bearing, Rig, View};
 use compass_core::raster::{BitMask, RgbImage};
 use compass_core::segments::{Detected, Parameters, Segment, SegmentsError};
 use compass_core::windows::level::{
-    self, Buffers, Column, Finder, Level, MAX_BOXES, MAX_UPRIGHTS, Red, Resolution, Sighting, Upright,
+    self, Buffers, Column, Edge, Finder, Level, MAX_BOXES, MAX_UPRIGHTS, Red, Resolution, Sighting, Upright,
     Window, WindowBox,
 };
 use thiserror::Error;
@@ -75,6 +75,8 @@ pub struct Eyes {
     uprights: Vec<Upright>,
     boxes: Vec<WindowBox>,
     windows: Vec<Window>,
+    /// How many uprights and boxes the last pair of frames left in the buffers.
+    considered: [usize; 2],
 }
 
 /// What was seen in a pair of frames.
@@ -106,6 +108,7 @@ impl Eyes {
             uprights: vec![Upright::default(); 4 * MAX_UPRIGHTS],
             boxes: vec![WindowBox::default(); 4 * MAX_BOXES],
             windows: vec![Window::default(); MAX_WINDOWS],
+            considered: [0; 2],
         }
     }
 
@@ -168,6 +171,7 @@ impl Eyes {
             finder.add(camera, &image, red, eye.detector.segments(&eye.detected));
         }
         let sighting = finder.finish(&mut self.windows);
+        self.considered = [sighting.uprights, sighting.boxes];
         let windows = &self.windows[..sighting.count];
         Ok(Seen { sighting, windows, level })
     }
@@ -210,6 +214,21 @@ impl Eyes {
     fn upside_down(&mut self, frames: [Option<&Frame>; 2], up: &Bearing) -> Result<bool, EyesError> {
         let count = self.windows(frames, up)?.sighting.count;
         Ok(level::sky_above(&self.windows[..count], &self.gray, self.resolution) < 0)
+    }
+
+    /// The boxes that [`windows`](Self::windows) chose among: for pictures.
+    #[must_use]
+    pub fn boxes(&self) -> &[WindowBox] {
+        &self.boxes[..self.considered[1]]
+    }
+
+    /// The edges that those boxes lie between, but for where the view ends: for pictures.
+    #[must_use]
+    pub fn edges(&self) -> Vec<Edge> {
+        let mut uprights = self.uprights[..self.considered[0]].to_vec();
+        let mut edges = Vec::new();
+        level::visit_edges(&mut uprights, self.resolution, |edge| edges.push(*edge));
+        edges
     }
 
     /// Brightness ranks of the ring after [`windows`](Self::windows), row by row from the top, 0 where nothing is

@@ -22,6 +22,7 @@
 mod candidates;
 mod enclosure;
 mod grid;
+mod outside;
 #[cfg(test)]
 mod tests;
 

@@ -4,6 +4,7 @@
 pub mod calibration;
 pub mod commands;
 pub mod compare;
+pub mod cross_modal;
 pub mod dataset;
 pub mod eyes;
 pub mod figures;
@@ -13,6 +14,7 @@ pub mod interior;
 pub mod localizer;
 pub mod noise;
 pub mod output;
+pub mod paper_finder;
 pub mod plan_import;
 pub mod reference;
 pub mod report;

@@ -286,12 +286,13 @@ impl<'a, 'out> Drawing<'a, 'out> {
                 self.continue_later(&stop);
             }
             growth.line.fit();
-            if (many || stop.hit) && !growth.head_extended {
-                if let Some(jump) = self.jump(&growth, End::Head) {
-                    start = self.cross(&mut growth, End::Head, &jump);
-                    end = End::Head;
-                    continue;
-                }
+            if (many || stop.hit)
+                && !growth.head_extended
+                && let Some(jump) = self.jump(&growth, End::Head)
+            {
+                start = self.cross(&mut growth, End::Head, &jump);
+                end = End::Head;
+                continue;
             }
             growth.head_extended = true;
             end = End::Tail;

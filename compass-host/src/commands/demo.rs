@@ -4,7 +4,7 @@ use super::Outcome;
 use super::describe::Described;
 use super::localize::Pose;
 use super::{pictures, plan};
-use crate::figures::{self, Curve, HitComparison, MapPose, Scores, SiteMapPicture};
+use crate::figures::{self, Curve, HitComparison, MapPose, Scores, Shifts, SiteMapPicture};
 use crate::localizer::{Localizer, MatchOptions};
 use crate::noise::disturb;
 use crate::output::{Decimal, JsonOption, create_dir, write_file};
@@ -148,13 +148,14 @@ fn draw(dir: &Path, run: &Run, poses: &[Pose]) -> Result<()> {
         first: &run.query.hit,
         second_label: "best candidate",
         second: &matched.hit,
+        known: None,
         cosine: hit_cosine(&run.query, &matched, Similarity::Plain),
         centred: hit_cosine(&run.query, &matched, Similarity::Centred),
     };
     figures::draw_hits_polar(&dir.join("hits-polar.png"), &hits)?;
     figures::draw_hits_linear(&dir.join("hits-linear.png"), &hits)?;
     let curves = [Curve { label: "plain", score: &plain }, Curve { label: "centred", score: &centred }];
-    figures::draw_correlation(&dir.join("correlation.png"), &curves)?;
+    figures::draw_correlation(&dir.join("correlation.png"), &curves, Shifts::Turn)?;
     draw_map(dir, run, poses)
 }
 

@@ -2,6 +2,8 @@
 
 mod cameras;
 mod compare;
+mod compare_hits;
+mod debug;
 mod demo;
 mod describe;
 mod gravity;
@@ -37,6 +39,8 @@ enum Command {
     Localize(localize::Localize),
     /// Compare the fixed-point core with the float reference, stage by stage
     Compare(compare::Compare),
+    /// Compare window or wall as the cameras see it with the plan at a known pose
+    CompareHits(compare_hits::CompareHits),
     /// Find the line segments of an image
     Segments(segments::Segments),
     /// Find the windows in one camera's frame
@@ -70,6 +74,7 @@ impl Cli {
             Command::Map(command) => command.run(),
             Command::Localize(command) => command.run(),
             Command::Compare(command) => command.run(),
+            Command::CompareHits(command) => command.run(),
             Command::Segments(command) => command.run(),
             Command::Windows(command) => command.run(),
             Command::Gravity(command) => command.run(),

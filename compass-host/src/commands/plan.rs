@@ -1,8 +1,10 @@
 //! The options that every command with a plan shares.
 
+use crate::plan_import::structure::keep_structure;
 use crate::plan_import::{self, PlanOptions, PlanRaster};
 use crate::site::PackedPlan;
 use anyhow::{Context as _, Result, bail};
+use compass_core::scan::Scan;
 use std::path::{Path, PathBuf};
 
 /// How a plan file is read.
@@ -23,6 +25,9 @@ pub(super) struct Reading {
     /// Excess of red over the larger of green and blue from which a pixel is glazing, 0..255
     #[arg(long, value_name = "N", default_value_t = plan_import::DEFAULT_RED_EXCESS)]
     red_excess: u8,
+    /// Keep only walls at least M metres thick and the glazing of the facade [default without a value: 0.25]
+    #[arg(long, value_name = "M", num_args = 0..=1, default_missing_value = "0.25", value_parser = finite)]
+    structure: Option<f64>,
 }
 
 impl Reading {
@@ -34,7 +39,10 @@ impl Reading {
         options.origin = self.origin;
         options.dark_below = self.dark_below;
         options.red_excess = self.red_excess;
-        let raster = plan_import::load(&options)?;
+        let mut raster = plan_import::load(&options)?;
+        if let Some(thickness_m) = self.structure {
+            raster = keep_structure(&raster, thickness_m).with_context(|| plan.display().to_string())?;
+        }
         let packed = PackedPlan::new(&raster).with_context(|| plan.display().to_string())?;
         Ok((raster, packed))
     }
@@ -63,6 +71,33 @@ impl PlanArgs {
     pub(super) fn load(&self) -> Result<(PlanRaster, PackedPlan)> {
         let Some(path) = self.path() else { bail!("no plan: name one as PLAN or with --plan FILE") };
         self.reading.load(path)
+    }
+}
+
+/// A pose on a plan to hold something against; all or nothing.
+#[derive(Debug, Clone, clap::Args)]
+pub(super) struct PoseOnPlan {
+    /// Floor plan to hold it against: dark = wall, red = glazing; or a ROS map .yaml
+    #[arg(long, value_name = "FILE", requires = "at", requires = "heading")]
+    plan: Option<PathBuf>,
+    /// Position on the plan in metres
+    #[arg(long, value_name = "X,Y", value_parser = pair, allow_hyphen_values = true, requires = "plan")]
+    at: Option<[f64; 2]>,
+    /// Heading on the plan in degrees, counter-clockwise from +x
+    #[arg(long, value_name = "DEG", value_parser = finite, allow_hyphen_values = true, requires = "plan")]
+    heading: Option<f64>,
+    #[command(flatten)]
+    reading: Reading,
+}
+
+impl PoseOnPlan {
+    /// The scan of the plan there, when it was named.
+    pub(super) fn scan(&self) -> Result<Option<Scan>> {
+        let (Some(path), Some(at), Some(heading)) = (&self.plan, self.at, self.heading) else {
+            return Ok(None);
+        };
+        let (_, packed) = self.reading.load(path)?;
+        packed.scan(at, heading).with_context(|| path.display().to_string()).map(Some)
     }
 }
 

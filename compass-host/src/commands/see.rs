@@ -2,14 +2,19 @@
 
 use super::Outcome;
 use super::cameras::CameraArgs;
+use super::debug::Found;
+use super::plan::PoseOnPlan;
 use crate::eyes::Eyes;
 use crate::output::{Decimal, JsonOption, decimals};
 use anyhow::Result;
+use compass_core::camera::{Pixel, View};
 use compass_core::scan::Hit;
-use compass_core::windows::level::{Level, Window, image_box};
+use compass_core::windows::level::{Level, NOMINAL_RANGE_M, Window, image_box};
+use compass_core::windows::paper::ImageWindow;
 use serde::Serialize;
 use std::fmt;
 use std::fmt::Write as _;
+use std::path::PathBuf;
 use std::time::Instant;
 
 #[derive(Debug, clap::Args)]
@@ -19,6 +24,11 @@ pub(super) struct See {
     /// Look N times and report the median time of each stage
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     repeat: u32,
+    /// Write pictures of what was found and considered into DIR; with --plan, also what the plan says
+    #[arg(long, value_name = "DIR")]
+    debug_dir: Option<PathBuf>,
+    #[command(flatten)]
+    plan: PoseOnPlan,
     #[command(flatten)]
     json: JsonOption,
 }
@@ -31,7 +41,7 @@ pub(super) struct WindowOutput {
     pixels: Option<[Decimal; 4]>,
     azimuth_deg: [Decimal; 2],
     elevation_deg: [Decimal; 2],
-    /// Log odds that it is a window, nats.
+    /// Log odds that it is a window, nats; of the paper's finder its own score.
     score: Decimal,
 }
 
@@ -47,6 +57,33 @@ impl WindowOutput {
             elevation_deg: degrees(window.elevation_deg(resolution)),
             score: Decimal(f64::from(window.score) / 256.0),
         }
+    }
+}
+
+impl WindowOutput {
+    /// A window of the paper's finder: its azimuths are those of the middles of its sides, its elevations those of the
+    /// middles of top and bottom.
+    pub(super) fn in_image(window: &ImageWindow, camera: usize, view: &View, level: &Level) -> Option<Self> {
+        let [x0, y0, x1, y1] = [window.x0, window.y0, window.x1, window.y1].map(f32::from);
+        let (x, y) = (x0.midpoint(x1), y0.midpoint(y1));
+        let direction = |x: f32, y: f32| {
+            let bearing = view.camera.unproject(Pixel { x: x - 0.5, y: y - 0.5 })?;
+            let point = view.rotation * bearing * NOMINAL_RANGE_M + view.position;
+            let (azimuth, elevation) = level.direction(&point.normalize());
+            Some([azimuth, elevation].map(|angle| f64::from(angle).to_degrees()))
+        };
+        let (left, right) = (direction(x0, y)?[0], direction(x1, y)?[0]);
+        let (top, bottom) = (direction(x, y0)?[1], direction(x, y1)?[1]);
+        // An upside-down camera has the counter-clockwise end at its right.
+        let turn = (left - right + 180.0).rem_euclid(360.0) - 180.0;
+        let from = if turn >= 0.0 { right } else { left };
+        Some(Self {
+            camera: if camera == 0 { "cam0" } else { "cam1" },
+            pixels: Some([x0, y0, x1, y1].map(|v| Decimal(f64::from(v)))),
+            azimuth_deg: [from, from + turn.abs()].map(Decimal),
+            elevation_deg: [top.min(bottom), top.max(bottom)].map(Decimal),
+            score: Decimal(f64::from(window.score)),
+        })
     }
 }
 
@@ -94,6 +131,7 @@ struct Milliseconds {
 impl See {
     pub(super) fn run(&self) -> Result<Outcome> {
         let mut cameras = self.cameras.load()?;
+        let plan = self.plan.scan()?;
         let frames = cameras.frames.each_ref().map(Option::as_ref);
         let mut stages = [const { Vec::new() }; 3];
         for _ in 0..self.repeat {
@@ -104,8 +142,12 @@ impl See {
         let up = cameras.up.resolve(&mut cameras.eyes, frames)?;
         let seen = cameras.eyes.windows(frames, &up)?;
         let [segments, level_ms, windows_ms] = stages.map(median);
-        let (sighting, level, windows) = (seen.sighting.clone(), seen.level, seen.windows.to_vec());
-        let windows: Vec<_> = windows.iter().map(|w| WindowOutput::new(w, &cameras.eyes, &level)).collect();
+        let (sighting, level, chosen) = (seen.sighting.clone(), seen.level, seen.windows.to_vec());
+        let windows: Vec<_> = chosen.iter().map(|w| WindowOutput::new(w, &cameras.eyes, &level)).collect();
+        if let Some(dir) = &self.debug_dir {
+            let (eyes, plan) = (&cameras.eyes, plan.as_ref().map(|scan| &scan.hit));
+            Found { frames, eyes, level, windows: &chosen, sighting: &sighting, plan }.draw(dir)?;
+        }
         let sixteenths = sighting.confidence.sixteenths();
         let up = level.up();
         let output = Output {

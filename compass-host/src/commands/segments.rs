@@ -1,6 +1,6 @@
 //! `compass segments`: the line segments of one image.
 
-use super::Outcome;
+use super::{Outcome, debug};
 use crate::frame::{Frame, SegmentDetector};
 use crate::output::{Decimal, JsonOption, write_file};
 use anyhow::{Context as _, Result};
@@ -27,7 +27,7 @@ pub(super) struct Segments {
     /// Keep segments whose gradients point elsewhere
     #[arg(long)]
     no_validation: bool,
-    /// Write the image with its segments in green into DIR
+    /// Write the image with its segments in green into DIR: segments.png
     #[arg(long, value_name = "DIR")]
     debug_dir: Option<PathBuf>,
     #[command(flatten)]
@@ -54,7 +54,7 @@ impl Segments {
             write_file(path, csv(segments).as_bytes())?;
         }
         if let Some(dir) = &self.debug_dir {
-            let _ = dir;
+            debug::segments(dir, &frame, segments)?;
         }
         let Detected { count, truncated } = detected;
         let (width, height) = (frame.width(), frame.height());

@@ -33,37 +33,81 @@ impl Curve<'_> {
     }
 }
 
+/// How shifts are named.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shifts {
+    /// 0 to 360 degrees: of a query against a map, where any heading may be meant.
+    Turn,
+    /// -180 to 180 degrees: of what is seen against the plan at a known pose, where 0 is expected.
+    Signed,
+}
+
+impl Shifts {
+    const fn first(self) -> i32 {
+        match self {
+            Self::Turn => 0,
+            Self::Signed => -180,
+        }
+    }
+
+    const fn caption(self) -> &'static str {
+        match self {
+            Self::Turn => "Correlation score by shift of the query against the map",
+            Self::Signed => "Correlation score by shift of what is seen against the plan",
+        }
+    }
+
+    fn axis(self) -> Axis {
+        let axis = Axis::degrees("shift (degrees)");
+        let first = f64::from(self.first());
+        let ticks = axis.ticks.iter().map(|(at, _)| (at + first, style::number(at + first))).collect();
+        Axis { from: axis.from + first, to: axis.to + first, ticks, ..axis }
+    }
+
+    /// The shift of a bin in degrees.
+    fn of(self, bin: usize) -> f64 {
+        let shift = bin as i32;
+        f64::from(if shift > 360 + self.first() { shift - 360 } else { shift })
+    }
+
+    /// The bins in order of their shifts, the first again at the end.
+    fn bins(self) -> impl Iterator<Item = (f64, usize)> {
+        let first = self.first();
+        (first..=first + 360).map(|shift| (f64::from(shift), shift.rem_euclid(360) as usize))
+    }
+}
+
 /// Draws correlation scores by shift, each curve's peak marked and labelled.
 ///
 /// # Errors
 /// [`FigureError`] when the file cannot be written.
-pub fn draw_correlation(path: &Path, curves: &[Curve<'_>]) -> Result<(), FigureError> {
+pub fn draw_correlation(path: &Path, curves: &[Curve<'_>], shifts: Shifts) -> Result<(), FigureError> {
     let entry = |(n, curve): (usize, &Curve<'_>)| {
         let peak = curve.peak().map_or("no peak".to_owned(), |(shift, score)| {
-            format!("peak {} at {shift}°", style::score(score))
+            format!("peak {} at {}°", style::score(score), style::number(shifts.of(shift)))
         });
         Entry::new(Symbol::Line(Pen::series(n)), format!("{}: {peak}", curve.label))
     };
     let page = Page {
         path,
-        caption: "Correlation score by shift of the query against the map",
+        caption: shifts.caption(),
         legend: curves.iter().enumerate().map(entry).collect(),
         body: HEAD + PLOT + BELOW,
     };
     page.draw(|canvas, body| {
         let y = score_axis(curves);
         let frame = body.inset(y.room()?, HEAD, BESIDE, BELOW);
-        let axes = Axes { frame, x: Axis::degrees("shift (degrees)"), y };
+        let axes = Axes { frame, x: shifts.axis(), y };
         axes.draw_grid(canvas)?;
         for (shift, _) in curves.iter().filter_map(Curve::peak) {
-            let x = axes.x_px(shift as f64);
+            let x = axes.x_px(shifts.of(shift));
             let dropped = [[x, frame.top - 10.0], [x, frame.bottom]];
             canvas.line(&dropped, Pen { dash: Some([8.0, 8.0]), ..Pen::solid(MUTED, 2.5) })?;
         }
         for (n, curve) in curves.iter().enumerate() {
-            draw_curve(canvas, &axes, curve, Pen::series(n))?;
+            draw_curve(canvas, &axes, curve, shifts, Pen::series(n))?;
         }
-        for (x, text) in peak_labels(curves, &axes)? {
+        for (x, text) in peak_labels(curves, shifts, &axes)? {
             canvas.text([x, frame.top - 8.0], TEXT_PX, (HPos::Center, VPos::Bottom), &text)?;
         }
         axes.draw_frame(canvas)
@@ -84,25 +128,24 @@ fn score_axis(curves: &[Curve<'_>]) -> Axis {
     Axis::new("score", from, to, ((to - from) / step).round() as usize)
 }
 
-fn draw_curve(canvas: &Canvas<'_>, axes: &Axes, curve: &Curve<'_>, pen: Pen) -> Drawn {
-    // Shift 360 is shift 0 again.
-    let around = curve.score.iter().chain(curve.score.first()).enumerate();
-    let points: Vec<_> = around.filter(|(_, s)| s.is_finite()).map(|(n, &s)| axes.at(n as f64, s)).collect();
+fn draw_curve(canvas: &Canvas<'_>, axes: &Axes, curve: &Curve<'_>, shifts: Shifts, pen: Pen) -> Drawn {
+    let around = shifts.bins().map(|(shift, bin)| (shift, curve.score[bin]));
+    let points: Vec<_> = around.filter(|(_, s)| s.is_finite()).map(|(x, s)| axes.at(x, s)).collect();
     canvas.line(&points, pen)?;
     match curve.peak() {
-        Some((shift, score)) => canvas.ring(axes.at(shift as f64, score), 11.0, 4.0, pen.colour),
+        Some((shift, score)) => canvas.ring(axes.at(shifts.of(shift), score), 11.0, 4.0, pen.colour),
         None => Ok(()),
     }
 }
 
 /// The shifts of the peaks above the plot; labels that would touch become one.
-fn peak_labels(curves: &[Curve<'_>], axes: &Axes) -> Result<Vec<(f64, String)>, DrawError> {
-    let mut shifts: Vec<usize> = curves.iter().filter_map(|c| Some(c.peak()?.0)).collect();
-    shifts.sort_unstable();
-    shifts.dedup();
+fn peak_labels(curves: &[Curve<'_>], shifts: Shifts, axes: &Axes) -> Result<Vec<(f64, String)>, DrawError> {
+    let mut peaks: Vec<f64> = curves.iter().filter_map(|c| Some(shifts.of(c.peak()?.0))).collect();
+    peaks.sort_by(f64::total_cmp);
+    peaks.dedup();
     let mut labels: Vec<(f64, String)> = Vec::new();
-    for shift in shifts {
-        let (x, text) = (axes.x_px(shift as f64), format!("{shift}°"));
+    for shift in peaks {
+        let (x, text) = (axes.x_px(shift), format!("{}°", style::number(shift)));
         match labels.last_mut() {
             Some((at, before))
                 if x - *at < text_width(before, TEXT_PX)? / 2.0 + text_width(&text, TEXT_PX)? =>
@@ -123,6 +166,17 @@ fn peak_labels(curves: &[Curve<'_>], axes: &Axes) -> Result<Vec<(f64, String)>, 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn shifts_go_around_once() {
+        for shifts in [Shifts::Turn, Shifts::Signed] {
+            let mut bins = shifts.bins();
+            assert!(bins.all(|(shift, bin)| (shifts.of(bin) - shift).rem_euclid(360.0) == 0.0));
+            assert_eq!(shifts.bins().count(), 361);
+        }
+        assert_eq!([1, 180, 359].map(|bin| Shifts::Signed.of(bin)), [1.0, 180.0, -1.0]);
+        assert_eq!([1, 180, 359].map(|bin| Shifts::Turn.of(bin)), [1.0, 180.0, 359.0]);
+    }
 
     #[test]
     fn peak_is_the_first_largest_finite_score() {

@@ -10,7 +10,7 @@ use super::canvas::{CENTRE, Canvas, Drawn, LEFT, RIGHT, Rect};
 use super::output::FigureError;
 use super::page::{Entry, Page, Symbol, hit_entries};
 use super::polar::Dial;
-use super::style::{AGREE, DISAGREE, INK, PAPER, Pen, TEXT_PX, TICK_PX, hit_colour, score};
+use super::style::{AGREE, DISAGREE, INK, PAPER, Pen, TEXT_PX, TICK_PX, UNKNOWN, hit_colour, score};
 use super::text::wrap;
 
 /// Two hit-type arrays in the same frame, and how alike they are.
@@ -24,6 +24,8 @@ pub struct HitComparison<'a> {
     pub second_label: &'a str,
     /// The second array.
     pub second: &'a [Hit; 360],
+    /// Which bins of the first array are known; all, if absent.
+    pub known: Option<&'a [bool; 360]>,
     /// Cosine similarity of the two hit-type channels.
     pub cosine: f64,
     /// The same of the centred channels.
@@ -31,18 +33,29 @@ pub struct HitComparison<'a> {
 }
 
 impl HitComparison<'_> {
-    /// The number of bins with the same hit type in both.
+    /// The number of known bins with the same hit type in both.
     #[must_use]
     pub fn agreeing_bins(&self) -> usize {
-        self.first.iter().zip(self.second).filter(|(a, b)| a == b).count()
+        (0..360).filter(|&bin| self.is_known(bin) && self.first[bin] == self.second[bin]).count()
+    }
+
+    /// The number of known bins.
+    #[must_use]
+    pub fn known_bins(&self) -> usize {
+        self.known.map_or(360, |known| known.iter().filter(|&&known| known).count())
+    }
+
+    fn is_known(&self, bin: usize) -> bool {
+        self.known.is_none_or(|known| known[bin])
     }
 
     fn caption(&self) -> String {
         format!(
-            "Hit type, {} against {}: {} of 360 bins agree, cosine {}, centred {}",
+            "Hit type, {} against {}: {} of {} bins agree, cosine {}, centred {}",
             self.first_label,
             self.second_label,
             self.agreeing_bins(),
+            self.known_bins(),
             score(self.cosine),
             score(self.centred)
         )
@@ -50,20 +63,27 @@ impl HitComparison<'_> {
 
     /// The three bands from the outside in (or top to bottom): name, and the colour of each bin.
     fn bands(&self) -> [(&str, [RGBColor; 360]); 3] {
-        let agreement =
-            std::array::from_fn(|bin| if self.first[bin] == self.second[bin] { AGREE } else { DISAGREE });
+        let of_known = |bin: usize, colour: RGBColor| if self.is_known(bin) { colour } else { UNKNOWN };
+        let agreement = std::array::from_fn(|bin| {
+            of_known(bin, if self.first[bin] == self.second[bin] { AGREE } else { DISAGREE })
+        });
+        let first = std::array::from_fn(|bin| of_known(bin, hit_colour(self.first[bin])));
         [
-            (self.first_label, self.first.map(hit_colour)),
+            (self.first_label, first),
             (self.second_label, self.second.map(hit_colour)),
             ("agreement", agreement),
         ]
     }
 
     fn legend(&self) -> Vec<Entry> {
-        let agreeing = self.agreeing_bins();
+        let (agreeing, known) = (self.agreeing_bins(), self.known_bins());
         let mut entries = hit_entries(None);
-        entries.push(Entry::new(Symbol::Patch(AGREE), format!("agree ({agreeing})")));
-        entries.push(Entry::new(Symbol::Patch(DISAGREE), format!("differ ({})", 360 - agreeing)));
+        let mut add = |colour, label| entries.push(Entry::new(Symbol::Patch(colour), label));
+        if known < 360 {
+            add(UNKNOWN, format!("not seen ({})", 360 - known));
+        }
+        add(AGREE, format!("agree ({agreeing})"));
+        add(DISAGREE, format!("differ ({})", known - agreeing));
         entries
     }
 }
@@ -96,7 +116,7 @@ pub fn draw_hits_polar(path: &Path, data: &HitComparison<'_>) -> Result<(), Figu
         }
         dial.draw_bearings(canvas)?;
         let [x, y] = centre;
-        let count = format!("{} of 360", data.agreeing_bins());
+        let count = format!("{} of {}", data.agreeing_bins(), data.known_bins());
         canvas.text([x, y - 20.0], TEXT_PX, CENTRE, &count)?;
         canvas.text([x, y + 20.0], TEXT_PX, CENTRE, "bins agree")
     })

@@ -21,6 +21,8 @@ pub const AGREE: RGBColor = RGBColor(0x00, 0x9e, 0x73);
 /// Bins on whose hit type they differ.
 pub const DISAGREE: RGBColor = RGBColor(0xc8, 0x10, 0x2e);
 
+/// Bins that were not seen.
+pub(super) const UNKNOWN: RGBColor = RGBColor(0xe2, 0xe2, 0xe2);
 /// The plan's walls.
 pub(super) const PLAN_WALL: RGBColor = RGBColor(0, 0, 0);
 /// The robot, and the pose found.

@@ -151,6 +151,7 @@ fn hit_comparisons_show_as_much_agreement_as_there_is() {
         first: &first,
         second_label: "map",
         second: &second,
+        known: None,
         cosine: 0.973,
         centred: -0.412,
     };
@@ -168,6 +169,47 @@ fn hit_comparisons_show_as_much_agreement_as_there_is() {
 }
 
 #[test]
+fn bins_that_were_not_seen_neither_agree_nor_differ() {
+    let (_, hit) = scan(HEADING);
+    let known = std::array::from_fn(|bin| bin >= 90);
+    let data = HitComparison {
+        first_label: "seen",
+        first: &[Hit::Wall; 360],
+        second_label: "plan",
+        second: &hit,
+        known: Some(&known),
+        cosine: 1.0,
+        centred: 1.0,
+    };
+    let walls = hit[90..].iter().filter(|&&h| h == Hit::Wall).count();
+    assert_eq!((data.known_bins(), data.agreeing_bins()), (270, walls));
+    let picture = drawn("hits-half.png", |path| draw_hits_linear(path, &data));
+    let strips = (count(&picture, style::UNKNOWN) as f64, count(&picture, AGREE) as f64);
+    assert!((strips.0 / strips.1 - 180.0 / walls as f64).abs() < 0.1, "{strips:?} for {walls}");
+    for (name, plan) in [("seen.png", None), ("seen-plan.png", Some(&hit))] {
+        let picture = drawn(name, |path| draw_seen(path, &hit, &known, plan));
+        assert!(count(&picture, style::UNKNOWN) > 20_000 && count(&picture, WINDOW) > 10_000, "{name}");
+    }
+}
+
+#[test]
+fn overlays_keep_frame_and_lines() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("frame.png");
+    let pixel = |x: u32, _| if x < 200 { Rgb([10, 200, 90]) } else { Rgb([90; 3]) };
+    RgbImage::from_fn(400, 300, pixel).save(&path).unwrap();
+    let frame = crate::frame::Frame::read(&path).unwrap();
+    let mut layer = Layer::new("windows", DISAGREE, 4.0);
+    layer.lines.push(vec![[50.0, 50.0], [350.0, 50.0], [350.0, 250.0]]);
+    layer.notes.extend([([50.0, 50.0], "1.5".to_owned()), ([52.0, 50.0], "2.5".to_owned())]);
+    let picture = drawn("overlay.png", |path| draw_overlay(path, "A frame", &frame, &[layer]));
+    let half = 780 * 1170;
+    let green = count(&picture, RGBColor(10, 200, 90));
+    assert!(green > half * 9 / 10 && green < half, "{green} of {half}");
+    assert!(count(&picture, DISAGREE) > 1_800 * 3);
+}
+
+#[test]
 fn correlation_draws_every_curve() {
     let bump = |n: usize, at: f64, width: f64| {
         let apart = (n as f64 - at).abs();
@@ -176,12 +218,14 @@ fn correlation_draws_every_curve() {
     let plain = std::array::from_fn(|n| 0.8 + 0.17 * bump(n, 137.0, 25.0) + 0.06 * bump(n, 310.0, 15.0));
     let centred = std::array::from_fn(|n| 0.9 * bump(n, 139.0, 12.0) + 0.4 * bump(n, 310.0, 9.0) - 0.2);
     let curves = [Curve { label: "plain", score: &plain }, Curve { label: "centred", score: &centred }];
-    let picture = drawn("correlation.png", |path| draw_correlation(path, &curves));
+    let picture = drawn("correlation.png", |path| draw_correlation(path, &curves, Shifts::Signed));
     for n in 0..2 {
         assert!(count(&picture, style::Pen::series(n).colour) > 1_000, "curve {n}");
     }
     let edge = std::array::from_fn(|n| bump(n, 0.0, 20.0));
-    drawn("correlation-edge.png", |path| draw_correlation(path, &[Curve { label: "plain", score: &edge }]));
+    drawn("correlation-edge.png", |path| {
+        draw_correlation(path, &[Curve { label: "plain", score: &edge }], Shifts::Turn)
+    });
 }
 
 #[test]

@@ -90,7 +90,7 @@ impl Grid {
     }
 
     /// The cells where `open` that are 4-connected with the border of the grid.
-    fn flood_from_border(&self, open: impl Fn(usize) -> bool) -> Vec<bool> {
+    pub(super) fn flood_from_border(&self, open: impl Fn(usize) -> bool) -> Vec<bool> {
         let (columns, cells) = (self.columns, self.occupied.len());
         let mut reached = vec![false; cells];
         let ends = (0..columns).chain(cells - columns..cells);

@@ -6,6 +6,7 @@
 
 mod classify;
 mod ros_map;
+pub mod structure;
 
 use std::path::{Path, PathBuf};
 

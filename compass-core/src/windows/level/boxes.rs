@@ -48,6 +48,23 @@ pub struct WindowBox {
 impl WindowBox {
     /// For buffers.
     pub const EMPTY: Self = Self { start: 0, end: 0, top: 0, bottom: 0, score: 0, next: 0 };
+    /// First column and the one after the last, clockwise; the latter may lie beyond the ring's last.
+    #[must_use]
+    pub const fn columns(&self) -> [u16; 2] {
+        [self.start, self.end]
+    }
+
+    /// First row and the one after the last, downwards.
+    #[must_use]
+    pub const fn rows(&self) -> [u16; 2] {
+        [self.top, self.bottom]
+    }
+
+    /// Log odds that it is a window, 1/256 nat.
+    #[must_use]
+    pub const fn score(&self) -> i16 {
+        self.score
+    }
 
     pub(super) fn width(&self) -> usize {
         usize::from(self.end - self.start)

@@ -42,12 +42,26 @@ impl Upright {
 
 /// A vertical line on the ring that may border a window; positions in 1/16 cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Edge {
+pub struct Edge {
     pub(super) x: i32,
     pub(super) top: i32,
     pub(super) bottom: i32,
     /// Where the view ends: it has all heights, and no two of these make a window.
     pub(super) rim: bool,
+}
+
+impl Edge {
+    /// Its column.
+    #[must_use]
+    pub fn column(&self) -> f32 {
+        self.x as f32 / FINE as f32
+    }
+
+    /// The rows it begins and ends at, downwards.
+    #[must_use]
+    pub fn rows(&self) -> [f32; 2] {
+        [self.top, self.bottom].map(|row| row as f32 / FINE as f32)
+    }
 }
 
 /// An image segment as an upright, if it is one.

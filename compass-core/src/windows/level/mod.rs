@@ -14,7 +14,7 @@ mod ring;
 
 pub use boxes::WindowBox;
 pub use choose::Column;
-pub use edges::Upright;
+pub use edges::{Edge, Upright};
 pub use ring::{BOTTOM_DEG, Level, NOMINAL_RANGE_M, Red, Resolution, TOP_DEG};
 
 use crate::camera::{Pixel, Rig};
@@ -24,7 +24,7 @@ use crate::scan::Hit;
 use crate::segments::{Parameters, Segment};
 use crate::similarity::Confidence;
 use boxes::{LEAST_SCORE, Planes, WIDEST_DEG};
-use edges::{Edge, FINE, MAX_EDGES};
+use edges::{FINE, MAX_EDGES};
 use heapless::Vec;
 
 /// Most near-vertical segments of both cameras that [`Buffers::uprights`] need hold in a built-up scene.
@@ -100,6 +100,10 @@ pub struct Sighting {
     pub confidence: Confidence,
     /// Log odds of a window in each bin, 1/256 nat, within -4 to 4 nats; 0 where nothing is seen.
     pub evidence: [i16; BINS],
+    /// Number of near-vertical segments left in [`Buffers::uprights`]: for pictures of what was considered.
+    pub uprights: usize,
+    /// Number of boxes left in [`Buffers::boxes`].
+    pub boxes: usize,
 }
 
 /// Finds windows in the frames of a rig, one camera after the other.
@@ -160,6 +164,8 @@ impl<'a, 'r> Finder<'a, 'r> {
             hit: [Hit::Wall; BINS],
             confidence: Confidence::new(&[0; BINS]),
             evidence: [0; BINS],
+            uprights: self.uprights,
+            boxes: proposed,
         };
         let mut confidence = [0; BINS];
         let mut covered = Covered::default();
@@ -185,6 +191,14 @@ impl<'a, 'r> Finder<'a, 'r> {
         sighting.confidence = Confidence::new(&confidence);
         sighting
     }
+}
+
+/// Visits the edges that near-vertical segments make, as [`Finder::finish`] gathered them, from left to right; not
+/// those where the view ends.
+pub fn visit_edges(uprights: &mut [Upright], resolution: Resolution, visit: impl FnMut(&Edge)) {
+    let mut edges = Vec::new();
+    edges::gather(uprights, resolution, &mut edges);
+    edges.iter().for_each(visit);
 }
 
 /// What to look for when detecting the segments of a view: faint edges too, and short ones if the image is small.
