@@ -182,7 +182,7 @@ mod tests {
     fn shell() -> PlanRaster {
         let mut raster = PlanRaster::empty(120, 100, 0.1, [0.0; 2]);
         for (x, y) in (10..90).flat_map(|y| (10..110).map(move |x| (x, y))) {
-            if x < 13 || x >= 107 || y < 13 || y >= 87 || x == 60 {
+            if !(13..107).contains(&x) || !(13..87).contains(&y) || x == 60 {
                 raster.set_wall(x, y);
             }
         }
