@@ -3,6 +3,7 @@
 //! The bounds are the core's own, stated beside each stage's type.
 
 pub mod camera;
+pub mod segments;
 
 use crate::plan_import::PlanRaster;
 use crate::reference;

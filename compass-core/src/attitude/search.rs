@@ -208,7 +208,7 @@ impl Random {
     fn pick<'a>(&mut self, arcs: &'a [Arc]) -> Option<&'a Arc> {
         let mut arc = None;
         for _ in 0..6 {
-            let index = (u64::from(self.next()) * arcs.len() as u64 >> 32) as usize;
+            let index = ((u64::from(self.next()) * arcs.len() as u64) >> 32) as usize;
             arc = arcs.get(index);
             let chance = (self.next() >> 8) as f32 * (25.0 / 16_777_216.0);
             if arc.is_some_and(|arc| chance < arc.weight) {

@@ -73,6 +73,14 @@ impl Parameters {
     }
 }
 
+/// The detector and the reference, which follows ELSED to the letter, each find at least this share of the length of
+/// the other's segments, within 2 px and 5 degrees, on built-up scenes.
+///
+/// What differs: a long line is fitted anew after every 64th part of its length instead of after every pixel;
+/// validation samples the gradient across the line at whole pixels along it, while other lines have not yet crossed it;
+/// each try to jump a gap is judged by its own pixels alone; borders end walks.
+pub const SEGMENT_COVERAGE: f32 = 0.9;
+
 /// Longest side of an image, in pixels.
 pub const MAX_SIDE: u32 = 8192;
 
