@@ -1,7 +1,7 @@
 //! Camera frames: an image file as the gray and colour rasters that the core looks at.
 
 use crate::image_file::{self, ImageFileError, Samples};
-use compass_core::raster::GrayImage;
+use compass_core::raster::{BitMask, GrayImage};
 use compass_core::segments::{self, Detected, Parameters, Segment, SegmentsError, Workspace};
 use std::path::Path;
 
@@ -117,14 +117,41 @@ impl SegmentDetector {
     pub fn detect(
         &mut self,
         image: &GrayImage<'_>,
-        mask: Option<&compass_core::raster::BitMask<'_>>,
+        mask: Option<&BitMask<'_>>,
         parameters: &Parameters,
     ) -> Result<(&[Segment], Detected), SegmentsError> {
         let Self { cells, smoothed, trail, found } = self;
-        let detected =
-            segments::detect(image, mask, parameters, &mut Workspace { cells, smoothed, trail }, found)?;
+        let detected = detect(image, mask, parameters, &mut Workspace { cells, smoothed, trail }, found)?;
         Ok((&self.found[..detected.count], detected))
     }
+}
+
+/// [`segments::detect`] with the widest vectors that this machine has; the result is the same.
+fn detect(
+    image: &GrayImage<'_>,
+    mask: Option<&BitMask<'_>>,
+    parameters: &Parameters,
+    workspace: &mut Workspace<'_>,
+    found: &mut [Segment],
+) -> Result<Detected, SegmentsError> {
+    #[cfg(target_arch = "x86_64")]
+    {
+        #[target_feature(enable = "avx2")]
+        fn wide(
+            image: &GrayImage<'_>,
+            mask: Option<&BitMask<'_>>,
+            parameters: &Parameters,
+            workspace: &mut Workspace<'_>,
+            found: &mut [Segment],
+        ) -> Result<Detected, SegmentsError> {
+            segments::detect(image, mask, parameters, workspace, found)
+        }
+        if std::arch::is_x86_feature_detected!("avx2") {
+            // SAFETY: the machine has AVX2, which is all that the function asks for.
+            return unsafe { wide(image, mask, parameters, workspace, found) };
+        }
+    }
+    segments::detect(image, mask, parameters, workspace, found)
 }
 
 #[cfg(test)]

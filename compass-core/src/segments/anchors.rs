@@ -18,6 +18,7 @@ pub(super) const fn words(width: usize, height: usize) -> usize {
 /// of its neighbours across the edge. Returns whether there are any.
 ///
 /// Words go band of columns by band, and row by row in each.
+#[inline(always)]
 pub(super) fn mark(cells: &[u16], width: usize, threshold: u16, anchors: &mut [u32]) -> bool {
     let rows = cells.len() / width / INTERVAL;
     let row_of = |y: usize| cells.get(y * width..(y + 1) * width).unwrap_or(&[]);
@@ -38,6 +39,7 @@ pub(super) fn mark(cells: &[u16], width: usize, threshold: u16, anchors: &mut [u
 }
 
 /// Tests every other cell between the first and the last of the middle row.
+#[inline(always)]
 fn mark_band([above, row, below]: [&[u16]; 3], threshold: u16) -> u32 {
     let mut marked = [0_u16; BAND];
     let n = row.len().saturating_sub(2).min(BAND);
@@ -71,16 +73,35 @@ const BITS: [u16; BAND] = {
     bits
 };
 
+/// Rows whose anchors are looked at together.
+const BLOCK: usize = 32;
+/// Blocks of the highest image.
+const MAX_BLOCKS: usize = super::MAX_SIDE as usize / INTERVAL / BLOCK;
+
 /// Draws from all anchors, column by column.
 pub(super) fn visit(drawing: &mut Drawing<'_, '_>, anchors: &[u32]) {
     let rows = drawing.cells.height as usize / INTERVAL;
     for (band, words) in anchors.chunks_exact(rows.max(1)).enumerate() {
-        let any = words.iter().fold(0, |any, word| any | word);
+        // Most columns of a block have no anchor.
+        let mut blocks = [0; MAX_BLOCKS];
+        for (block, words) in blocks.iter_mut().zip(words.chunks(BLOCK)) {
+            *block = words.iter().fold(0, |any, word| any | word);
+        }
+        let any = blocks.iter().fold(0, |any, block| any | block);
         for column in (0..32).filter(|c| any >> c & 1 == 1) {
             let x = (band * BAND + INTERVAL * column + 1) as i32;
-            for (row, _) in words.iter().enumerate().filter(|(_, word)| *word >> column & 1 == 1) {
-                if !drawing.draw_from(Position { x, y: (INTERVAL * row + 1) as i32 }) {
-                    return;
+            let with_anchor = |word: &u32| word >> column & 1 == 1;
+            for (first, words) in blocks
+                .iter()
+                .zip(words.chunks(BLOCK))
+                .enumerate()
+                .filter(|(_, (b, _))| with_anchor(b))
+                .map(|(i, (_, words))| (i * BLOCK, words))
+            {
+                for (row, _) in words.iter().enumerate().filter(|(_, word)| with_anchor(word)) {
+                    if !drawing.draw_from(Position { x, y: (INTERVAL * (first + row) + 1) as i32 }) {
+                        return;
+                    }
                 }
             }
         }

@@ -56,6 +56,7 @@ impl Growth {
         }
     }
 
+    #[inline(always)]
     pub(super) fn accept(&mut self, end: End, p: Position) {
         self.line.add(p);
         let (pixels, extended) = self.end_mut(end);

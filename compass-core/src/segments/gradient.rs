@@ -6,6 +6,7 @@ use crate::raster::BitMask;
 /// Fills the cells of one row from the smoothed rows above, at and below it.
 ///
 /// Magnitudes below `threshold` become 0, and so do the first and the last cell: walks end there.
+#[inline(always)]
 pub(super) fn gradient_row([above, row, below]: [&[u8]; 3], threshold: u16, cells: &mut [u16]) {
     let Some(n) = cells.len().checked_sub(2) else { return cells.fill(0) };
     if above.len() < n + 2 || row.len() < n + 2 || below.len() < n + 2 {

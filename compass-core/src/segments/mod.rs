@@ -76,7 +76,7 @@ impl Parameters {
 /// The detector and the reference, which follows ELSED to the letter, each find at least this share of the length of
 /// the other's segments, within 2 px and 5 degrees, on built-up scenes.
 ///
-/// What differs: a long line is fitted anew after every 64th part of its length instead of after every pixel;
+/// What differs: the smoothed image, by one level here and there; a long line is fitted anew after every 64th part of its length instead of after every pixel;
 /// validation samples the gradient across the line at whole pixels along it, while other lines have not yet crossed it;
 /// each try to jump a gap is judged by its own pixels alone; borders end walks.
 pub const SEGMENT_COVERAGE: f32 = 0.9;
@@ -156,6 +156,8 @@ impl core::error::Error for SegmentsError {}
 ///
 /// # Errors
 /// [`SegmentsError`] for an image too large, a mask of another size, a workspace too short.
+// Inlined down to the loops over all pixels, so that a caller compiled for wider vectors has them wider.
+#[inline(always)]
 pub fn detect(
     image: &GrayImage<'_>,
     mask: Option<&BitMask<'_>>,
@@ -195,6 +197,7 @@ pub fn detect(
 }
 
 /// Smooths the image and fills the cells.
+#[inline(always)]
 fn prepare(
     image: &GrayImage<'_>,
     mask: Option<&BitMask<'_>>,

@@ -2,19 +2,21 @@
 
 use crate::raster::GrayImage;
 
-/// Weights of one axis in 1/256: a Gaussian of sigma 1.
-const KERNEL: [u16; 5] = [14, 62, 104, 62, 14];
+/// Weights of the pixels two aside, one aside and in the middle, in 1/128: a Gaussian of sigma 1.
+const WEIGHTS: [u16; 3] = [7, 31, 52];
 
 /// Smooths row `y` of `image` into `out`, the border mirrored without repeating the edge pixel.
 ///
-/// The exact sum of 25 products is rounded once. `column` is scratch of the image's width.
+/// The result is within one gray level of the exact sum rounded, and mostly equal. `column` is scratch of the image's
+/// width.
+#[inline(always)]
 pub(super) fn smooth_row(image: &GrayImage<'_>, y: usize, column: &mut [u16], out: &mut [u8]) {
     let height = image.height() as usize;
     let row = |offset: isize| image.row(mirror(y as isize + offset, height));
     let rows = [row(-2), row(-1), row(0), row(1), row(2)];
     let width = out.len().min(column.len());
     let [a, b, c, d, e] = rows.map(|r| r.get(..width).unwrap_or(&[]));
-    let [w0, w1, w2, ..] = KERNEL;
+    let [w0, w1, w2] = WEIGHTS;
     for (((((sum, a), b), c), d), e) in column.iter_mut().zip(a).zip(b).zip(c).zip(d).zip(e) {
         let [a, b, c, d, e] = [a, b, c, d, e].map(|p| u16::from(*p));
         *sum = w0 * (a + e) + w1 * (b + d) + w2 * c;
@@ -35,15 +37,17 @@ pub(super) fn smooth_row(image: &GrayImage<'_>, y: usize, column: &mut [u16], ou
     }
 }
 
-/// Rounds the weighted sum of five column sums to a pixel.
+/// Rounds the weighted sum of five column sums (at most 128 * 255) to a pixel.
 ///
-/// High and low bytes are summed apart, so that every term fits 16 bits: eight lanes in a vector.
+/// Each product keeps its upper 16 bits: eight lanes in a vector. The fractions lost, 3/128 of a level at most, are made
+/// good in the mean.
 #[inline(always)]
 fn weigh([a, b, c, d, e]: [u16; 5]) -> u8 {
-    let [w0, w1, w2, ..] = KERNEL;
-    let high = w0 * ((a >> 8) + (e >> 8)) + w1 * ((b >> 8) + (d >> 8)) + w2 * (c >> 8);
-    let low = w0 * ((a & 255) + (e & 255)) + w1 * ((b & 255) + (d & 255)) + w2 * (c & 255);
-    ((high + (low >> 8) + 128) >> 8) as u8
+    const fn product(sum: u16, weight: u16) -> u16 {
+        ((sum as u32 * ((weight as u32) << 9)) >> 16) as u16
+    }
+    let [w0, w1, w2] = WEIGHTS;
+    ((product(a + e, w0) + product(b + d, w1) + product(c, w2) + 64 + 1) >> 7) as u8
 }
 
 /// The index within `0..length` that mirrors `index`, the edge itself not repeated.
@@ -79,20 +83,23 @@ mod tests {
 
     proptest! {
         #[test]
-        fn equals_the_exact_sum(width in 1_usize..24, height in 1_usize..9, seed in any::<[u8; 32]>()) {
+        fn is_within_a_level_of_the_exact_sum(width in 1_usize..24, height in 1_usize..9, seed in any::<[u8; 32]>()) {
             let pixels: Vec<u8> =
                 (0..width * height).map(|i| seed[i % 32].wrapping_mul(i as u8 | 1).wrapping_add(seed[(i / 32) % 32])).collect();
             let out = smooth(&pixels, width, height);
+            const KERNEL: [u32; 5] = [14, 62, 104, 62, 14];
             for (i, p) in out.iter().enumerate() {
                 let (x, y) = ((i % width) as isize, (i / width) as isize);
                 let mut sum = 0_u32;
                 for (v, wv) in KERNEL.iter().enumerate() {
                     for (u, wu) in KERNEL.iter().enumerate() {
                         let at = mirror(y + v as isize - 2, height) * width + mirror(x + u as isize - 2, width);
-                        sum += u32::from(*wu) * u32::from(*wv) * u32::from(pixels[at]);
+                        sum += wu * wv * u32::from(pixels[at]);
                     }
                 }
-                prop_assert_eq!(u32::from(*p), (sum + 32_768) >> 16);
+                // 3/128 of a level is lost at most, 1/128 added.
+                let exact = f64::from(sum) / 65_536.0;
+                prop_assert!((f64::from(*p) - exact).abs() <= 0.5 + 2.0 / 128.0, "{} {}", p, exact);
             }
         }
     }

@@ -57,7 +57,7 @@ pub fn stages(raster: &PlanRaster, seed: u64) -> Result<Vec<Stage>> {
     let bound = f64::from(SEGMENT_COVERAGE);
     let [ours, theirs] = lengths.map(|[found, all]| vec![if all > 0.0 { found / all } else { 1.0 }]);
     Ok(vec![
-        Stage::at_most("segments: smoothed image", "gray level", smoothed, 0.0),
+        Stage::at_most("segments: smoothed image", "gray level", smoothed, 1.0),
         Stage::at_least("segments: core's found by the reference", "share of length", ours, bound),
         Stage::at_least("segments: reference's found by the core", "share of length", theirs, bound),
     ])
