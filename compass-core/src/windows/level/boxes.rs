@@ -16,6 +16,8 @@ const FLANK_EIGHTHS: [usize; 2] = [12, 32];
 /// Rows searched for lintel and sill: 3 degrees outside the edges' common part, 1.5 inside.
 const OUTSIDE_HALVES: usize = 6;
 const INSIDE_HALVES: usize = 3;
+/// Columns measured of a box or of a flank, at most.
+const MOST_COLUMNS: usize = 32;
 /// Rows searched at most: those of the finest ring.
 const MOST_ROWS: usize = (OUTSIDE_HALVES + INSIDE_HALVES) * 4 / 2;
 
@@ -82,6 +84,7 @@ pub(super) struct Planes<'a> {
 /// Sums over a part of the planes.
 #[derive(Debug, Clone, Copy, Default)]
 struct Sums {
+    cells: u32,
     known: u32,
     rank: u32,
     texture: u32,
@@ -105,14 +108,21 @@ impl Planes<'_> {
 
     fn sums(&self, rows: &core::ops::Range<usize>, columns: core::ops::Range<usize>) -> Sums {
         let mut sums = Sums::default();
-        for column in columns {
+        for column in sampled(columns) {
             let rank = self.column(self.rank, column, rows);
+            sums.cells += rank.len() as u32;
             sums.rank += total(rank);
             sums.known += rank.len() as u32 - unknown(rank);
             sums.texture += total(self.column(self.texture, column, rows));
         }
         sums
     }
+}
+
+/// Columns that stand for a range of them: all of narrow ones, evenly spaced ones of wide ones.
+fn sampled(columns: core::ops::Range<usize>) -> core::iter::StepBy<core::ops::Range<usize>> {
+    let step = columns.len().div_ceil(MOST_COLUMNS).max(1);
+    columns.step_by(step)
 }
 
 fn total(cells: &[u8]) -> u32 {
@@ -149,14 +159,14 @@ pub(super) fn propose(planes: &Planes<'_>, left: &Edge, right: &Edge) -> Option<
 fn scored(planes: &Planes<'_>, start: usize, end: usize, top: usize, bottom: usize) -> Option<WindowBox> {
     let (width, height) = (end - start, bottom - top);
     let inside = planes.sums(&(top..bottom), start..end);
-    if 10 * u64::from(inside.known) < 6 * (width * height) as u64 {
+    if 10 * inside.known < 6 * inside.cells {
         return None;
     }
     let (rank, texture) = inside.means();
     let (flank_rank, flank_texture) = flanks(planes, start..end, &(top..bottom))?;
     let (lintel, lintel_row) = strongest_row(planes, start..end, above(planes, top, height));
     let (sill, sill_row) = strongest_row(planes, start..end, below(planes, bottom, height));
-    let borders = (lintel + sill) as i32 * NAT / (2 * 255 * width as i32);
+    let borders = (lintel + sill) as i32 * NAT / (2 * 255 * sampled(start..end).len() as i32);
     let per_level = |difference: i32| difference * NAT / (255 * 16);
     let octaves = log2_ratio(width as u32, height as u32);
     let wide = (octaves + NAT * 4 / 5).max(0);
@@ -189,9 +199,8 @@ fn flanks(
     // One cell of gap to the edge.
     let left = columns.start + planes.resolution.columns() - 1 - width;
     let sides = [left, columns.end + 1].map(|side| planes.sums(rows, side..side + width));
-    let area = (width * rows.len()) as u64;
     let (mut rank, mut texture, mut seen) = (0, i32::MIN, 0);
-    for side in sides.iter().filter(|side| 10 * u64::from(side.known) > 3 * area) {
+    for side in sides.iter().filter(|side| 10 * side.known > 3 * side.cells) {
         let (side_rank, side_texture) = side.means();
         rank += side_rank;
         texture = texture.max(side_texture);
@@ -221,8 +230,8 @@ fn strongest_row(
     rows: core::ops::Range<usize>,
 ) -> (u32, usize) {
     let mut totals = [0_u16; MOST_ROWS];
-    for column in columns {
-        // 240 columns of 255 fit.
+    for column in sampled(columns) {
+        // 32 columns of 255 fit.
         for (total, cell) in totals.iter_mut().zip(planes.column(planes.texture, column, &rows)) {
             *total = total.wrapping_add(u16::from(*cell));
         }
