@@ -2,8 +2,8 @@
 //!
 //! `compass-core` turns an architect's floor plan into compact descriptors and finds, among the
 //! descriptors of a whole building, the position and heading that explain what a robot sees. It
-//! allocates nothing, uses no floating point outside [`camera`], contains no `unsafe`, and gives the
-//! same bits on every target; the `f32` of the cameras come from `libm` alone.
+//! allocates nothing, contains no `unsafe`, and gives the same bits on every target: integers, and where lenses and
+//! directions need them `f32`, through `libm` alone and without fused operations.
 //!
 //! Modules in reading order, each knowing only those before it:
 //!
@@ -19,8 +19,10 @@
 //! | [`signature`] | the rotation-invariant transition signature |
 //! | [`site_map`] | the map of candidate positions as bytes |
 //! | [`matching`] | search over candidates and headings |
-//! | [`windows`] | window openings in an image, from its line segments |
-//! | [`camera`] | fisheye models, bearing to pixel and back; needs none of the others |
+//! | [`camera`] | fisheye models, bearing to pixel and back; the rig of two |
+//! | [`segments`] | line segments of an image, by edge drawing |
+//! | [`attitude`] | up vector and the building's axes from vanishing points |
+//! | [`windows`] | windows and hit type of every direction |
 //!
 //! Memory is lent by the caller throughout; "nothing found" is `None`; errors are small `Copy` enums.
 //!

@@ -16,8 +16,7 @@
 //! the glass and the sensor really see is less, and is for a mask to say.
 //!
 //! # Numbers
-//! This is the only module with floating point. It is `f32` through `libm` alone, without fused
-//! operations: the same bits on every target. Accuracy is stated by [`ROUND_TRIP_PX`],
+//! `f32` through `libm` alone, without fused operations: the same bits on every target. Accuracy is stated by [`ROUND_TRIP_PX`],
 //! [`PROJECTION_ERROR_PX`] and [`BEARING_ERROR`].
 
 mod equidistant;

@@ -19,6 +19,8 @@ pub(super) const RIM_COS: f32 = -0.087_155_74;
 pub const NOMINAL_RANGE_M: f32 = 6.0;
 /// The projection is computed on a grid of this many degrees, and interpolated between.
 const GRID_DEG: usize = 2;
+/// Rows of that grid, both borders included.
+const GRID_ROWS: usize = ((TOP_DEG - BOTTOM_DEG) as usize).div_ceil(GRID_DEG) + 1;
 /// Fraction bits of a position in the image.
 const SUBPIXEL: u32 = 8;
 
@@ -97,7 +99,11 @@ impl Level {
     /// The unit vector in camera 0 at an azimuth (counter-clockwise seen from above) and elevation, radians.
     #[must_use]
     pub fn bearing(&self, azimuth: f32, elevation: f32) -> Bearing {
-        let ((sin_a, cos_a), (sin_e, cos_e)) = (libm::sincosf(azimuth), libm::sincosf(elevation));
+        self.bearing_of(libm::sincosf(azimuth), libm::sincosf(elevation))
+    }
+
+    /// The same from sine and cosine of both.
+    fn bearing_of(&self, (sin_a, cos_a): (f32, f32), (sin_e, cos_e): (f32, f32)) -> Bearing {
         self.axes.tr_mul(&Vector3::new(cos_e * cos_a, cos_e * sin_a, sin_e))
     }
 
@@ -149,8 +155,9 @@ struct Node {
 }
 
 impl Projector<'_> {
-    fn node(&self, azimuth: f32, elevation: f32) -> Node {
-        let bearing = self.level.bearing(azimuth, elevation);
+    /// From sine and cosine of azimuth and elevation.
+    fn node(&self, azimuth: (f32, f32), elevation: (f32, f32)) -> Node {
+        let bearing = self.level.bearing_of(azimuth, elevation);
         let seen_from = |view: &View| -> Bearing {
             let b = view.rotation.tr_mul(&(bearing * NOMINAL_RANGE_M - view.position));
             b / libm::sqrtf(b.dot(&b))
@@ -185,35 +192,34 @@ pub(super) fn draw(
 ) {
     let Some(view) = rig.view(camera) else { return };
     let projector = Projector { view, rival: rig.view(1 - camera.min(1)), level };
-    let radians = |deg: usize| deg as f32 * (core::f32::consts::PI / 180.0);
-    let elevation = |row: usize| radians(TOP_DEG as usize) - radians(row * GRID_DEG);
-    let azimuth = |column: usize| core::f32::consts::PI - radians(column * GRID_DEG);
-    let rows = ((TOP_DEG - BOTTOM_DEG) as usize).div_ceil(GRID_DEG);
+    let radians = |deg: i32| deg as f32 * (core::f32::consts::PI / 180.0);
+    let elevations: [_; GRID_ROWS] =
+        core::array::from_fn(|row| libm::sincosf(radians(TOP_DEG - (row * GRID_DEG) as i32)));
+    let nodes = |column: usize| {
+        let azimuth = libm::sincosf(radians(180 - (column * GRID_DEG) as i32));
+        elevations.map(|elevation| projector.node(azimuth, elevation))
+    };
+    let mut left = nodes(0);
     for column in 0..360 / GRID_DEG {
-        let side = |row: usize| {
-            [
-                projector.node(azimuth(column), elevation(row)),
-                projector.node(azimuth(column + 1), elevation(row)),
-            ]
-        };
-        let mut above = side(0);
-        for row in 0..rows {
-            let below = side(row + 1);
-            let nodes = [above, below];
-            if nodes.iter().flatten().all(|n| n.usable) && nodes.iter().flatten().any(|n| n.lead > 0) {
-                draw_patch(cells, resolution, (column, row), &nodes, image, red);
+        let right = nodes(column + 1);
+        let pairs = left.windows(2).zip(right.windows(2)).enumerate();
+        for (row, (left, right)) in pairs {
+            let (&[a, c], &[b, d]) = (left, right) else { continue };
+            let corners = [a, b, c, d];
+            if corners.iter().all(|n| n.usable) && corners.iter().any(|n| n.lead > 0) {
+                draw_patch(cells, resolution, (column, row), &corners, image, red);
             }
-            above = below;
         }
+        left = right;
     }
 }
 
-/// Draws the cells between four nodes.
+/// Draws the cells between four nodes: upper left, upper right, lower left, lower right.
 fn draw_patch(
     cells: &mut [u8],
     resolution: Resolution,
     (column, row): (usize, usize),
-    [[a, b], [c, d]]: &[[Node; 2]; 2],
+    [a, b, c, d]: &[Node; 4],
     image: &GrayImage<'_>,
     red: Red<'_>,
 ) {
