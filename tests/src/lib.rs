@@ -1,9 +1,13 @@
 //! Helpers shared by the tests that span the crates.
 
 use compass_core::site_map::SiteMap;
+use compass_host::calibration::{Calibration, NOMINAL_YAML};
+use compass_host::dataset::tum::Pose;
 use compass_host::plan_import::PlanRaster;
 use compass_host::sample;
+use compass_host::simulate::{Renderer, Scene, SceneOptions};
 use compass_host::site::{self, BuildOptions, PackedPlan};
+use image::RgbImage;
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -66,6 +70,20 @@ pub fn sample_map() -> &'static [u8] {
         assert!(SiteMap::new(&bytes).is_ok());
         bytes
     })
+}
+
+/// What the rig of [`Calibration::nominal`] sees in the sample building, with clutter and people about: the frames of
+/// cam0 and cam1.
+///
+/// # Panics
+/// When `size` is not of the shape of the calibrated frames, 736 x 720.
+#[must_use]
+pub fn sample_frames(pose: &Pose, size: (u32, u32)) -> [RgbImage; 2] {
+    static SCENE: OnceLock<Scene> = OnceLock::new();
+    let scene = SCENE.get_or_init(|| Scene::new(&SceneOptions::default(), &sample_plan().0));
+    let rig =
+        Calibration::nominal().rig([Some(size); 2]).expect("size of the shape of the calibrated frames");
+    Renderer::new(scene, &rig, None).render(pose).map(|frame| frame.expect("the rig has two cameras"))
 }
 
 /// Where the recordings lie; says so when a test has to do without.
@@ -132,6 +150,20 @@ impl Folder {
     #[must_use]
     pub fn read(&self, name: &str) -> Vec<u8> {
         std::fs::read(self.path(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+    }
+
+    /// Writes `rig.yaml`, the calibration of [`sample_frames`], and such frames as `cam0.png` and `cam1.png`; returns
+    /// the options that name the three.
+    ///
+    /// # Panics
+    /// When they cannot be written.
+    #[must_use]
+    pub fn write_frames(&self, frames: &[RgbImage; 2]) -> &'static str {
+        self.write("rig.yaml", NOMINAL_YAML.as_bytes());
+        for (frame, name) in frames.iter().zip(["cam0.png", "cam1.png"]) {
+            frame.save(self.path(name)).expect("frame is written");
+        }
+        "--calib rig.yaml --cam0 cam0.png --cam1 cam1.png"
     }
 
     /// Runs `compass` in the folder with the words of `line`.

@@ -1,0 +1,106 @@
+//! The eyes allocate nothing per frame: after a first pair of frames all buffers are there.
+
+use compass_host::calibration::Calibration;
+use compass_host::dataset::tum::Pose;
+use compass_host::eyes::{Eyes, Mount};
+use compass_host::frame::Frame;
+use compass_tests::sample_frames;
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+/// Counts the requests of each thread.
+struct Counting;
+
+thread_local! {
+    static REQUESTS: Cell<usize> = const { Cell::new(0) };
+}
+
+fn count() {
+    // A thread that ends has no counter any more.
+    let _ = REQUESTS.try_with(|requests| requests.set(requests.get() + 1));
+}
+
+// SAFETY: everything is passed on to the system's allocator as it came.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        count();
+        // SAFETY: the caller keeps the contract.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
+        count();
+        // SAFETY: the caller keeps the contract.
+        unsafe { System.alloc_zeroed(layout) }
+    }
+
+    unsafe fn realloc(&self, block: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        count();
+        // SAFETY: the caller keeps the contract.
+        unsafe { System.realloc(block, layout, size) }
+    }
+
+    unsafe fn dealloc(&self, block: *mut u8, layout: Layout) {
+        // SAFETY: the caller keeps the contract.
+        unsafe { System.dealloc(block, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// How often `work` asks for memory on this thread.
+fn requests<T>(work: impl FnOnce() -> T) -> (usize, T) {
+    let before = REQUESTS.get();
+    let result = work();
+    (REQUESTS.get() - before, result)
+}
+
+fn pose(turn_deg: f64, roll_deg: f64) -> Pose {
+    Pose::looking(1, [4.12, 17.77, 1.6], 288.6 + turn_deg, 4.0, roll_deg)
+}
+
+#[test]
+fn the_counter_counts() {
+    assert_eq!(requests(|| Vec::<u64>::with_capacity(7)).0, 1);
+    assert_eq!(requests(|| vec![0_u8; 7]).0, 1);
+    assert_eq!(requests(|| 7).0, 0);
+}
+
+#[test]
+fn frames_are_seen_without_allocation() {
+    for size in [(736, 720), (368, 360)] {
+        let load =
+            |pose: &Pose| sample_frames(pose, size).map(|image| Frame::from_rgb(image).expect("good sides"));
+        let poses = [pose(0.0, 187.0), pose(110.0, 172.0)];
+        let pairs = poses.each_ref().map(load);
+        let mut eyes = Eyes::new(Calibration::nominal().rig([Some(size); 2]).unwrap());
+        let mut found = 0;
+        let mut look = |pair: &[Frame; 2], mount: Mount| {
+            let frames = pair.each_ref().map(Some);
+            let (detect, detected) = requests(|| eyes.detect(frames));
+            detected.unwrap();
+            let (vertical, up) = requests(|| eyes.vertical(frames, mount));
+            let up = up.unwrap().up;
+            let (windows, seen) = requests(|| eyes.windows(frames, &up).map(|seen| seen.windows.len()));
+            println!("{size:?} {mount:?}: {detect}, {vertical} and {windows} requests; {seen:?} windows");
+            found += seen.unwrap();
+            [detect, vertical, windows]
+        };
+        let _ = look(&pairs[0], Mount::Inverted);
+        for (pair, mount) in
+            [(&pairs[0], Mount::Inverted), (&pairs[1], Mount::Inverted), (&pairs[1], Mount::Auto)]
+        {
+            assert_eq!(look(pair, mount), [0; 3], "{size:?} {mount:?}");
+        }
+        assert!(found > 0, "the work was done");
+        // One frame of the pair is missing.
+        let alone = [None, Some(&pairs[1][1])];
+        let (count, ()) = requests(|| {
+            eyes.detect(alone).unwrap();
+            let up = eyes.vertical(alone, Mount::Inverted).unwrap().up;
+            eyes.windows(alone, &up).map(drop).unwrap();
+        });
+        assert_eq!(count, 0);
+    }
+}
