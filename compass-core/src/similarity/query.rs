@@ -8,6 +8,7 @@ use crate::spectrum::{Correlator, Extent};
 
 /// How far each bin of a query may be trusted, in sixteenths: 0 unknown, 16 certain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Confidence([u8; BINS]);
 
 impl Confidence {

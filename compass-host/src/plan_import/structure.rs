@@ -2,7 +2,7 @@
 //!
 //! Plans of a finished building show partitions and interior glazing that cameras in the shell never meet. Kept are
 //! walls at least as thick as a bound, found by morphological opening with a square of that side, and the glazing of
-//! the facade: within [`FACADE_M`] of the outside that [`interior`](crate::interior) finds.
+//! the facade: within [`FACADE_M`] of the outside that [`interior`] finds.
 //!
 //! A wall at 45 degrees must be 1.4 times as thick to hold the square. Cost: four sweeps over the bits, 64 pixels in a
 //! word and log2 of the side steps each, and the interior of the plan.
