@@ -1,4 +1,4 @@
-//! Camera models against OpenCV and against real calibrations; calibrations that make no sense, from the
+//! Camera models against `OpenCV` and against real calibrations; calibrations that make no sense, from the
 //! command line.
 
 use compass_core::camera::{Bearing, Camera, Intrinsics, KannalaBrandt, ROUND_TRIP_PX};
@@ -6,7 +6,7 @@ use compass_host::calibration::Calibration;
 use compass_host::compare::camera::stages;
 use compass_tests::{Folder, number, recordings};
 
-/// Largest difference to OpenCV's projection, in pixels.
+/// Largest difference to `OpenCV`'s projection, in pixels.
 const OPENCV_PX: f64 = 0.001;
 
 /// Largest difference of two calibrations of one lens, Kannala-Brandt and EUCM, in pixels.
