@@ -50,8 +50,8 @@ fn up_error_deg(result: &Value, pose: &Pose) -> f64 {
     let truth = pose.up_in_camera();
     let length = found.iter().map(|v| v * v).sum::<f64>().sqrt();
     assert!((length - 1.0).abs() < 1e-3, "{found:?}");
-    let cosine = (found[0] * truth.x + found[1] * truth.y + found[2] * truth.z) / length;
-    cosine.clamp(-1.0, 1.0).acos().to_degrees()
+    let chord = [found[0] - truth.x, found[1] - truth.y, found[2] - truth.z].map(|v| v * v);
+    2.0 * (chord.iter().sum::<f64>().sqrt() / 2.0).min(1.0).asin().to_degrees()
 }
 
 fn hits(result: &Value) -> Vec<Option<&str>> {
