@@ -15,6 +15,8 @@ use thiserror::Error;
 const FIELD: f32 = 95.0 * std::f32::consts::PI / 180.0;
 /// Pixels next to the rim that its gradient reaches.
 const RIM_PX: f32 = 3.0;
+/// The sky must exceed the ground by more than one in so many of the whole range of brightness ranks.
+const SKY_SHARE: u64 = 50;
 /// Most windows of a pair of frames.
 const MAX_WINDOWS: usize = 256;
 
@@ -30,6 +32,11 @@ pub enum EyesError {
         "cannot tell which way is up: fewer than {LEAST_INLIERS} segments point to one vertical vanishing point; give it with --up"
     )]
     NoVertical,
+    /// The windows do not tell up from down.
+    #[error(
+        "cannot tell up from down: no windows, or no sky in them; give --mount upright or inverted, or --up"
+    )]
+    NoSky,
     /// The detector refused the image.
     #[error("cam{camera}: {source}")]
     Segments {
@@ -204,16 +211,24 @@ impl Eyes {
         };
         let mut vertical =
             attitude::vertical(&self.arcs[..count], hint, &parameters).ok_or(EyesError::NoVertical)?;
-        if mount == Mount::Auto && self.upside_down(frames, &vertical.up)? {
+        if mount == Mount::Auto && !self.sky_is_up(frames, &vertical.up)? {
             vertical.up = -vertical.up;
         }
         Ok(vertical)
     }
 
-    /// Whether what is seen through the windows has the sky below: up and down are exchanged.
-    fn upside_down(&mut self, frames: [Option<&Frame>; 2], up: &Bearing) -> Result<bool, EyesError> {
+    /// Whether what is seen through the windows has the sky above.
+    fn sky_is_up(&mut self, frames: [Option<&Frame>; 2], up: &Bearing) -> Result<bool, EyesError> {
         let count = self.windows(frames, up)?.sighting.count;
-        Ok(level::sky_above(&self.windows[..count], &self.gray, self.resolution) < 0)
+        let windows = &self.windows[..count];
+        let third =
+            |w: &Window| i64::from(w.columns[1] - w.columns[0]) * i64::from((w.rows[1] - w.rows[0]) / 3);
+        let most = 255 * windows.iter().map(third).sum::<i64>();
+        let sky = level::sky_above(windows, &self.gray, self.resolution);
+        if sky.unsigned_abs() * SKY_SHARE <= most.unsigned_abs() {
+            return Err(EyesError::NoSky);
+        }
+        Ok(sky > 0)
     }
 
     /// The boxes that [`windows`](Self::windows) chose among: for pictures.

@@ -195,7 +195,8 @@ fn one_camera_alone_knows_up_or_says_that_it_does_not() {
             if ran.status != Some(0) {
                 println!("pose {index}, cam{camera}: {}", ran.stderr);
                 assert_eq!((ran.status, ran.stderr.lines().count(), ran.stdout.as_str()), (Some(2), 1, ""));
-                assert!(ran.stderr.starts_with("compass: cannot tell which way is up: "), "{}", ran.stderr);
+                let wanted = format!("compass: cam{camera}.png: cannot tell which way is up: ");
+                assert!(ran.stderr.starts_with(&wanted), "{}", ran.stderr);
                 continue;
             }
             let result: Value = serde_json::from_str(&ran.stdout).unwrap();

@@ -30,7 +30,8 @@ pub(super) struct UpArg {
     /// Up vector in the axes of cam0 (x right, y down, z forward) [default: from vertical lines]
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
     up: Option<[f64; 3]>,
-    /// Which side of cam0's image is up, within 45 degrees, where it is not told by --up
+    /// Which side of cam0's image is up, within 45 degrees, where it is not told by --up; a wrong one gives a mirrored
+    /// answer
     #[arg(long, value_enum, default_value_t = Mount::Auto)]
     mount: Mount,
 }
@@ -44,6 +45,10 @@ impl UpArg {
         }
     }
 
+    pub(super) const fn is_given(&self) -> bool {
+        self.up.is_some()
+    }
+
     pub(super) const fn mount(&self) -> Mount {
         self.mount
     }
@@ -54,6 +59,8 @@ pub(super) struct Cameras {
     pub(super) frames: [Option<Frame>; 2],
     pub(super) eyes: Eyes,
     pub(super) up: UpArg,
+    /// The files of the frames, for messages.
+    pub(super) name: String,
 }
 
 impl CameraArgs {
@@ -67,7 +74,8 @@ impl CameraArgs {
         let [cam0, cam1] = paths.map(|path| path.as_ref().map(|path| Frame::read(path)).transpose());
         let frames = [cam0?, cam1?];
         let rig = calibration.rig(frames.each_ref().map(|f| f.as_ref().map(|f| (f.width(), f.height()))))?;
-        Ok(Cameras { frames, eyes: Eyes::new(rig), up: self.up.clone() })
+        let files: Vec<_> = paths.into_iter().flatten().map(|path| path.display().to_string()).collect();
+        Ok(Cameras { frames, eyes: Eyes::new(rig), up: self.up.clone(), name: files.join(", ") })
     }
 }
 

@@ -78,8 +78,8 @@ impl CompareHits {
         let scan = plan.scan(self.at, self.heading).with_context(name)?;
         let frames = cameras.frames.each_ref().map(Option::as_ref);
         cameras.eyes.detect(frames)?;
-        let up = cameras.up.resolve(&mut cameras.eyes, frames)?;
-        let seen = cameras.eyes.windows(frames, &up)?;
+        let up = cameras.up.resolve(&mut cameras.eyes, frames).with_context(|| cameras.name.clone())?;
+        let seen = cameras.eyes.windows(frames, &up).with_context(|| cameras.name.clone())?;
         let of_camera = |camera| seen.windows.iter().filter(|w| w.camera == camera).count();
         let windows_per_camera = [0, 1].map(of_camera);
         let Sighting { hit, confidence, .. } = &seen.sighting;

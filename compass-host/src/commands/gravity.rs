@@ -3,7 +3,7 @@
 use super::Outcome;
 use super::cameras::CameraArgs;
 use crate::output::{Decimal, JsonOption, decimals};
-use anyhow::Result;
+use anyhow::{Context as _, Result, bail};
 use serde::Serialize;
 
 #[derive(Debug, clap::Args)]
@@ -30,10 +30,14 @@ struct Output {
 impl Gravity {
     pub(super) fn run(&self) -> Result<Outcome> {
         let mut cameras = self.cameras.load()?;
+        if cameras.up.is_given() {
+            bail!("--up gives what gravity is to find: use --mount to tell which side of the image is up");
+        }
         let frames = cameras.frames.each_ref().map(Option::as_ref);
         cameras.eyes.detect(frames)?;
         let start = std::time::Instant::now();
-        let vertical = cameras.eyes.vertical(frames, cameras.up.mount())?;
+        let vertical =
+            cameras.eyes.vertical(frames, cameras.up.mount()).with_context(|| cameras.name.clone())?;
         let milliseconds = Decimal(start.elapsed().as_secs_f64() * 1e3);
         let number = |v: f32| Decimal(f64::from(v));
         let up = vertical.up;

@@ -6,7 +6,7 @@ use super::debug::Found;
 use super::plan::PoseOnPlan;
 use crate::eyes::Eyes;
 use crate::output::{Decimal, JsonOption, decimals};
-use anyhow::Result;
+use anyhow::{Context as _, Result};
 use compass_core::camera::{Pixel, View};
 use compass_core::scan::Hit;
 use compass_core::windows::level::{Level, NOMINAL_RANGE_M, Window, image_box};
@@ -136,11 +136,12 @@ impl See {
         let mut stages = [const { Vec::new() }; 3];
         for _ in 0..self.repeat {
             time(&mut stages[0], || cameras.eyes.detect(frames))?;
-            let up = time(&mut stages[1], || cameras.up.resolve(&mut cameras.eyes, frames))?;
+            let up = time(&mut stages[1], || cameras.up.resolve(&mut cameras.eyes, frames))
+                .with_context(|| cameras.name.clone())?;
             time(&mut stages[2], || cameras.eyes.windows(frames, &up).map(drop))?;
         }
-        let up = cameras.up.resolve(&mut cameras.eyes, frames)?;
-        let seen = cameras.eyes.windows(frames, &up)?;
+        let up = cameras.up.resolve(&mut cameras.eyes, frames).with_context(|| cameras.name.clone())?;
+        let seen = cameras.eyes.windows(frames, &up).with_context(|| cameras.name.clone())?;
         let [segments, level_ms, windows_ms] = stages.map(median);
         let (sighting, level, chosen) = (seen.sighting.clone(), seen.level, seen.windows.to_vec());
         let windows: Vec<_> = chosen.iter().map(|w| WindowOutput::new(w, &cameras.eyes, &level)).collect();

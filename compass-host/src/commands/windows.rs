@@ -91,8 +91,8 @@ impl Windows {
     fn level(&self, frame: &Frame, eyes: &mut Eyes) -> Result<Output> {
         let frames = [0, 1].map(|camera| Some(frame).filter(|_| camera == self.camera.number()));
         eyes.detect(frames).with_context(|| self.image.display().to_string())?;
-        let up = self.up.resolve(eyes, frames)?;
-        let seen = eyes.windows(frames, &up)?;
+        let up = self.up.resolve(eyes, frames).with_context(|| self.image.display().to_string())?;
+        let seen = eyes.windows(frames, &up).with_context(|| self.image.display().to_string())?;
         let (level, found, sighting) = (seen.level, seen.windows.to_vec(), seen.sighting);
         if let Some(dir) = &self.debug_dir {
             Found { frames, eyes, level, windows: &found, sighting: &sighting, plan: None }.draw(dir)?;
@@ -115,7 +115,7 @@ impl Windows {
         }
         let frames = [0, 1].map(|camera| Some(frame).filter(|_| camera == self.camera.number()));
         eyes.detect(frames).with_context(name)?;
-        let level = Level::new(&self.up.resolve(eyes, frames)?).ok_or(EyesError::Up)?;
+        let level = Level::new(&self.up.resolve(eyes, frames).with_context(name)?).ok_or(EyesError::Up)?;
         let view = eyes.rig().view(camera).context("the calibration has no such camera")?;
         let output = |w| WindowOutput::in_image(w, camera, view, &level);
         Ok(Output {
