@@ -26,7 +26,7 @@ pub(super) fn mark(cells: &[u16], width: usize, threshold: u16, anchors: &mut [u
     for row in 0..rows {
         let y = INTERVAL * row + 1;
         let triple = [row_of(y - 1), row_of(y), row_of(y + 1)];
-        for (band, start) in (0..width.saturating_sub(2)).step_by(BAND).enumerate() {
+        for (band, start) in (0..width).step_by(BAND).enumerate() {
             let end = (start + BAND + 2).min(width);
             let word = mark_band(triple.map(|r| r.get(start..end).unwrap_or(&[])), threshold);
             any |= word;

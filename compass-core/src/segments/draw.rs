@@ -13,6 +13,8 @@ const MAX_OUTLIERS: usize = 3;
 const MAX_BRANCHES: usize = 128;
 /// Pixels of the first branch from an anchor that the opposite one starts with.
 const BACK_SEEDS: usize = WINDOW - 1;
+/// The ends of a segment lie this near to its last pixels: twice the reach of a line, as it moves while it grows.
+const STRAY_PX: f32 = 3.0;
 /// Pixels a window slides by.
 const SLIDE: usize = 2;
 
@@ -409,6 +411,15 @@ impl<'a, 'out> Drawing<'a, 'out> {
             growth.line.len().min(usize::from(u16::MAX)) as u16
         };
         let ([x1, y1], [x2, y2]) = (growth.line.foot(growth.tail[0]), growth.line.foot(growth.head[0]));
+        // A line that has turned away from where it began is none.
+        let strays = |[x, y]: [f32; 2], p: Position| {
+            let (dx, dy) = (x - p.x as f32, y - p.y as f32);
+            // Not a number strays as well.
+            (dx * dx + dy * dy).partial_cmp(&(STRAY_PX * STRAY_PX)).is_none_or(core::cmp::Ordering::is_gt)
+        };
+        if strays([x1, y1], growth.tail[0]) || strays([x2, y2], growth.head[0]) {
+            return;
+        }
         match self.found.get_mut(self.count) {
             Some(slot) => {
                 *slot = Segment { x1, y1, x2, y2, score };
