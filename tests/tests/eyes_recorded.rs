@@ -1,5 +1,6 @@
 //! The eyes on recordings, and the segments against the reference detector's: needs `COMPASS_DATA`.
 
+use compass_host::compare::segments::coverage;
 use compass_tests::{Folder, number, numbers, recordings};
 use image::DynamicImage;
 use image::codecs::jpeg::JpegEncoder;
@@ -226,42 +227,14 @@ fn up_is_stable_in_smaller_and_compressed_frames() {
     }
 }
 
-type Line = [f64; 4];
-
-fn read_lines(text: &str) -> Vec<Line> {
-    let line = |row: &str| {
+/// The two ends of each segment of a table with a heading.
+fn read_segments(text: &str) -> Vec<[[f64; 2]; 2]> {
+    let ends = |row: &str| {
         let fields: Vec<f64> = row.split(',').take(4).map(|field| field.trim().parse().unwrap()).collect();
-        <[f64; 4]>::try_from(fields).unwrap()
+        let [x1, y1, x2, y2] = fields[..] else { panic!("{row}") };
+        [[x1, y1], [x2, y2]]
     };
-    text.lines().skip(1).map(line).collect()
-}
-
-fn distance_px([x1, y1, x2, y2]: &Line, x: f64, y: f64) -> f64 {
-    let (dx, dy) = (x2 - x1, y2 - y1);
-    let along = ((x - x1) * dx + (y - y1) * dy) / (dx * dx + dy * dy).max(1e-12);
-    let along = along.clamp(0.0, 1.0);
-    (x1 + along * dx - x).hypot(y1 + along * dy - y)
-}
-
-/// Share of the length of `a` that lies within 2 pixels and 5 degrees of some segment of `b`.
-fn coverage(a: &[Line], b: &[Line]) -> f64 {
-    let degrees = |[x1, y1, x2, y2]: &Line| (y2 - y1).atan2(x2 - x1).to_degrees();
-    let (mut covered, mut total) = (0.0, 0.0);
-    for line in a {
-        let turn = |other: &Line| (degrees(line) - degrees(other) + 90.0).rem_euclid(180.0) - 90.0;
-        let parallel: Vec<_> = b.iter().filter(|other| turn(other).abs() <= 5.0).collect();
-        let [x1, y1, x2, y2] = line;
-        let length = (x2 - x1).hypot(y2 - y1);
-        let pieces = length.ceil().max(1.0);
-        for piece in 0..pieces as usize {
-            let t = (piece as f64 + 0.5) / pieces;
-            let (x, y) = (x1 + t * (x2 - x1), y1 + t * (y2 - y1));
-            let near = parallel.iter().any(|other| distance_px(other, x, y) <= 2.0);
-            total += length / pieces;
-            covered += if near { length / pieces } else { 0.0 };
-        }
-    }
-    covered / total
+    text.lines().skip(1).map(ends).collect()
 }
 
 #[test]
@@ -277,9 +250,9 @@ fn segments_cover_those_of_the_reference() {
     for name in ["back_camera_room", "P1020829", "indoor_1"] {
         let image = reference.join(format!("{name}.png"));
         let result = folder.json(&format!("segments {} --csv ours.csv", image.display()));
-        let ours = read_lines(&String::from_utf8(folder.read("ours.csv")).unwrap());
+        let ours = read_segments(&String::from_utf8(folder.read("ours.csv")).unwrap());
         assert_eq!(ours.len() as f64, number(&result["count"]));
-        let theirs = read_lines(&std::fs::read_to_string(reference.join(format!("{name}.csv"))).unwrap());
+        let theirs = read_segments(&std::fs::read_to_string(reference.join(format!("{name}.csv"))).unwrap());
         let (found, back) = (coverage(&theirs, &ours), coverage(&ours, &theirs));
         println!("{name}: {} of {}; {found:.3} found, {back:.3} back", ours.len(), theirs.len());
         worst = worst.min(found).min(back);

@@ -134,16 +134,17 @@ impl See {
         let plan = self.plan.scan()?;
         let frames = cameras.frames.each_ref().map(Option::as_ref);
         let mut stages = [const { Vec::new() }; 3];
+        let mut last = None;
         for _ in 0..self.repeat {
             time(&mut stages[0], || cameras.eyes.detect(frames))?;
             let up = time(&mut stages[1], || cameras.up.resolve(&mut cameras.eyes, frames))
                 .with_context(|| cameras.name.clone())?;
-            time(&mut stages[2], || cameras.eyes.windows(frames, &up).map(drop))?;
+            let seen = time(&mut stages[2], || cameras.eyes.windows(frames, &up))
+                .with_context(|| cameras.name.clone())?;
+            last = Some((seen.sighting, seen.level, seen.windows.to_vec()));
         }
-        let up = cameras.up.resolve(&mut cameras.eyes, frames).with_context(|| cameras.name.clone())?;
-        let seen = cameras.eyes.windows(frames, &up).with_context(|| cameras.name.clone())?;
+        let (sighting, level, chosen) = last.context("--repeat 0 looks at nothing")?;
         let [segments, level_ms, windows_ms] = stages.map(median);
-        let (sighting, level, chosen) = (seen.sighting.clone(), seen.level, seen.windows.to_vec());
         let windows: Vec<_> = chosen.iter().map(|w| WindowOutput::new(w, &cameras.eyes, &level)).collect();
         if let Some(dir) = &self.debug_dir {
             let (eyes, plan) = (&cameras.eyes, plan.as_ref().map(|scan| &scan.hit));

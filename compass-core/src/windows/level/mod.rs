@@ -235,8 +235,7 @@ pub fn sky_above(windows: &[Window], rank: &[u8], resolution: Resolution) -> i64
 /// Whether a ring at this resolution skips pixels of the view's image, so that it is to be drawn from the smoothed one.
 #[must_use]
 pub fn wants_smoothed(view: &crate::camera::View, resolution: Resolution) -> bool {
-    let pixels_per_degree = view.camera.intrinsics().fx * (core::f32::consts::PI / 180.0);
-    pixels_per_degree > 1.5 * resolution.per_degree() as f32
+    ring::pixels_per_degree(view) > 1.5 * resolution.per_degree() as f32
 }
 
 /// All pairs of edges that may be windows, scored; their number, and whether there was room for all.

@@ -38,8 +38,7 @@ impl Resolution {
     /// The resolution that does not ask more of a camera than its image holds.
     #[must_use]
     pub fn of(view: &View) -> Self {
-        let pixels_per_degree = view.camera.intrinsics().fx * (core::f32::consts::PI / 180.0);
-        if pixels_per_degree < 3.0 { Self::COARSE } else { Self::FINE }
+        if pixels_per_degree(view) < 3.0 { Self::COARSE } else { Self::FINE }
     }
 
     /// Cells in a degree.
@@ -65,6 +64,11 @@ impl Resolution {
     pub const fn cells(self) -> usize {
         self.columns() * self.rows()
     }
+}
+
+/// Pixels in a degree at the middle of a view.
+pub(super) fn pixels_per_degree(view: &View) -> f32 {
+    view.camera.intrinsics().fx * (core::f32::consts::PI / 180.0)
 }
 
 /// The level frame in camera 0: forward is its optical axis brought to the horizon.
