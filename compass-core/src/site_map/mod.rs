@@ -29,8 +29,8 @@
 //! | 16 | 24 | [`Sketch`] |
 //! | 40 | 405 | [`PackedScan`], cast with heading 0 |
 //!
-//! The second layer is for a plan in two parts, structure and partitions; readers that know one layer
-//! read the first.
+//! Layer 0 is cast from the plan as drawn; layer 1, when there is one, from its structure alone: what stands
+//! before the fit-out does. Readers that know one layer read the first.
 
 mod packed;
 mod sketch;
@@ -40,7 +40,8 @@ mod write;
 pub(crate) use packed::ladder_code;
 pub use packed::{PACKED_SCAN_BYTES, PackedScan};
 pub use sketch::{SKETCH_HARMONICS, SKETCH_POINTS, Sketch, SketchQuery};
-pub use view::{Record, SiteMap};
+pub use view::{LayerView, Record, SiteMap};
+pub(crate) use write::Summed;
 pub use write::{Header, Layer, Sink, Writer};
 
 use crate::signature::SIGNATURE_BYTES;
@@ -99,7 +100,7 @@ impl fmt::Display for SiteMapError {
 impl core::error::Error for SiteMapError {}
 
 /// The checksum that the format uses.
-static CRC32: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
+pub(crate) static CRC32: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
 
 #[cfg(test)]
 mod tests;

@@ -62,7 +62,29 @@ fn what_was_written_is_read() {
     assert!((position.x.to_num::<f64>() - (-5.0 + 2.005)).abs() < 1e-9);
     assert!((position.y.to_num::<f64>() - 2.075).abs() < 1e-9);
     assert!(map.get(3).is_none());
+    assert!(record.layer(0).is_some() && record.layer(1).is_none());
     assert_eq!(map.iter().count(), 3);
+}
+
+#[test]
+fn each_layer_is_read() {
+    let mut writer = Writer::new(Vec::new(), &Header { candidates: 2, layers: 2, ..header() }).unwrap();
+    for index in 0..2_u16 {
+        let layer = |seed: usize| Layer::new(&scan(usize::from(index) + seed));
+        writer.candidate([index, 0], &[layer(1), layer(3)]).unwrap();
+    }
+    let bytes = writer.finish().unwrap();
+    let map = SiteMap::new(&bytes).unwrap();
+    let record = map.get(1).unwrap();
+    for (number, expected) in [scan(2), scan(4)].iter().enumerate() {
+        let (layer, mut read) = (record.layer(number).unwrap(), Scan::OPEN);
+        layer.scan(&mut read);
+        assert!(read == *expected, "layer {number}");
+        assert_eq!(layer.signature(), Signature::new(expected));
+    }
+    assert_eq!(record.sketch(), record.layer(0).unwrap().sketch());
+    assert_ne!(record.sketch(), record.layer(1).unwrap().sketch());
+    assert!(record.layer(2).is_none() && record.layer(usize::MAX).is_none());
 }
 
 #[test]

@@ -23,8 +23,13 @@ pub struct SiteMap<'a> {
 #[derive(Debug, Clone, Copy)]
 pub struct Record<'a> {
     cell: [u16; 2],
-    layer: &'a [u8; LAYER_BYTES],
+    first: LayerView<'a>,
+    rest: &'a [u8],
 }
+
+/// One layer of a candidate.
+#[derive(Debug, Clone, Copy)]
+pub struct LayerView<'a>(&'a [u8; LAYER_BYTES]);
 
 impl<'a> SiteMap<'a> {
     /// Views bytes as a site map. Checks the header and the lengths; [`SiteMap::verify`] checks the rest.
@@ -61,6 +66,12 @@ impl<'a> SiteMap<'a> {
         }
     }
 
+    /// The bytes of the map, to be stored as they are.
+    #[must_use]
+    pub const fn as_bytes(&self) -> &'a [u8] {
+        self.bytes
+    }
+
     /// What the map says of itself.
     #[must_use]
     pub const fn header(&self) -> &Header {
@@ -86,13 +97,14 @@ impl<'a> SiteMap<'a> {
         let record = self.records.get(start..start.checked_add(self.record_bytes)?)?;
         let ([x0, x1, y0, y1], rest) = record.split_first_chunk()?;
         let cell = [u16::from_le_bytes([*x0, *x1]), u16::from_le_bytes([*y0, *y1])];
-        Some(Record { cell, layer: rest.first_chunk()? })
+        let (first, rest) = rest.split_first_chunk()?;
+        Some(Record { cell, first: LayerView(first), rest })
     }
 
     /// All candidates in order.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = Record<'a>> + use<'a> {
         let map = *self;
-        let empty = Record { cell: [0; 2], layer: &[0; LAYER_BYTES] };
+        let empty = Record { cell: [0; 2], first: LayerView(&[0; LAYER_BYTES]), rest: &[] };
         (0..self.len()).map(move |index| map.get(index).unwrap_or(empty))
     }
 
@@ -103,29 +115,57 @@ impl<'a> SiteMap<'a> {
     }
 }
 
-impl Record<'_> {
+impl<'a> Record<'a> {
     /// Plan cell: column, row from the south.
     #[must_use]
     pub const fn cell(&self) -> [u16; 2] {
         self.cell
     }
 
+    /// The layer of this number; `None` when the map has fewer.
+    #[must_use]
+    pub fn layer(&self, number: usize) -> Option<LayerView<'a>> {
+        match number.checked_sub(1) {
+            None => Some(self.first),
+            Some(behind) => self.rest.as_chunks().0.get(behind).map(LayerView),
+        }
+    }
+
+    /// The transition signature of layer 0.
+    #[must_use]
+    pub fn signature(&self) -> Signature {
+        self.first.signature()
+    }
+
+    /// The sketch of layer 0.
+    #[must_use]
+    pub fn sketch(&self) -> Sketch {
+        self.first.sketch()
+    }
+
+    /// Unpacks the scan of layer 0, cast with heading 0.
+    pub fn scan(&self, out: &mut Scan) {
+        self.first.scan(out);
+    }
+}
+
+impl LayerView<'_> {
     /// The transition signature.
     #[must_use]
     pub fn signature(&self) -> Signature {
-        Signature(self.layer.first_chunk().copied().unwrap_or([0; SIGNATURE_BYTES]))
+        Signature(self.0.first_chunk().copied().unwrap_or([0; SIGNATURE_BYTES]))
     }
 
     /// The sketch.
     #[must_use]
     pub fn sketch(&self) -> Sketch {
-        let bytes = self.layer.get(SIGNATURE_BYTES..).and_then(<[u8]>::first_chunk);
+        let bytes = self.0.get(SIGNATURE_BYTES..).and_then(<[u8]>::first_chunk);
         Sketch(bytes.copied().unwrap_or([0; SKETCH_BYTES]).map(u8::cast_signed))
     }
 
     /// Unpacks the scan, cast with heading 0.
     pub fn scan(&self, out: &mut Scan) {
-        if let Some(packed) = self.layer.last_chunk::<PACKED_SCAN_BYTES>() {
+        if let Some(packed) = self.0.last_chunk::<PACKED_SCAN_BYTES>() {
             unpack(packed, out);
         }
     }

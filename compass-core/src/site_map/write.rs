@@ -81,16 +81,8 @@ impl Header {
 }
 
 /// Writes a map: the header at once, then every candidate, then [`Writer::finish`].
-pub struct Writer<S> {
-    sink: S,
-    digest: crc::Digest<'static, u32>,
-}
-
-impl<S: core::fmt::Debug> core::fmt::Debug for Writer<S> {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.debug_struct("Writer").field("sink", &self.sink).finish_non_exhaustive()
-    }
-}
+#[derive(Debug)]
+pub struct Writer<S>(Summed<S>);
 
 impl<S: Sink> Writer<S> {
     /// Begins a map. As many candidates as the header says must follow; the reader finds out.
@@ -98,9 +90,9 @@ impl<S: Sink> Writer<S> {
     /// # Errors
     /// What the sink reports.
     pub fn new(sink: S, header: &Header) -> Result<Self, S::Error> {
-        let mut writer = Self { sink, digest: CRC32.digest() };
-        writer.append(&header.to_bytes())?;
-        Ok(writer)
+        let mut out = Summed::new(sink);
+        out.append(&header.to_bytes())?;
+        Ok(Self(out))
     }
 
     /// Appends one candidate: its plan cell and one scan per layer, cast with heading 0.
@@ -108,10 +100,10 @@ impl<S: Sink> Writer<S> {
     /// # Errors
     /// What the sink reports.
     pub fn candidate(&mut self, cell: [u16; 2], layers: &[Layer]) -> Result<(), S::Error> {
-        self.append(&cell[0].to_le_bytes())?;
-        self.append(&cell[1].to_le_bytes())?;
+        self.0.append(&cell[0].to_le_bytes())?;
+        self.0.append(&cell[1].to_le_bytes())?;
         for layer in layers {
-            self.append(&layer.0)?;
+            self.0.append(&layer.0)?;
         }
         Ok(())
     }
@@ -120,15 +112,38 @@ impl<S: Sink> Writer<S> {
     ///
     /// # Errors
     /// What the sink reports.
-    pub fn finish(mut self) -> Result<S, S::Error> {
+    pub fn finish(self) -> Result<S, S::Error> {
+        self.0.finish()
+    }
+}
+
+/// A sink and the checksum of what went into it.
+pub(crate) struct Summed<S> {
+    sink: S,
+    digest: crc::Digest<'static, u32>,
+}
+
+impl<S: core::fmt::Debug> core::fmt::Debug for Summed<S> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Summed").field("sink", &self.sink).finish_non_exhaustive()
+    }
+}
+
+impl<S: Sink> Summed<S> {
+    pub(crate) fn new(sink: S) -> Self {
+        Self { sink, digest: CRC32.digest() }
+    }
+
+    pub(crate) fn append(&mut self, bytes: &[u8]) -> Result<(), S::Error> {
+        self.digest.update(bytes);
+        self.sink.append(bytes)
+    }
+
+    /// Appends the checksum of everything before it.
+    pub(crate) fn finish(mut self) -> Result<S, S::Error> {
         let crc = self.digest.finalize().to_le_bytes();
         self.sink.append(&crc)?;
         Ok(self.sink)
-    }
-
-    fn append(&mut self, bytes: &[u8]) -> Result<(), S::Error> {
-        self.digest.update(bytes);
-        self.sink.append(bytes)
     }
 }
 
