@@ -18,6 +18,7 @@
 //! | [`similarity`] | cosine similarity of descriptors, plain and centred, weighted and masked |
 //! | [`signature`] | the rotation-invariant transition signature |
 //! | [`site_map`] | the map of candidate positions as bytes |
+//! | [`site`] | the file of a site: floors with their site maps and plans |
 //! | [`matching`] | search over candidates and headings |
 //! | [`camera`] | fisheye models, bearing to pixel and back; the rig of two |
 //! | [`segments`] | line segments of an image, by edge drawing |
@@ -49,6 +50,7 @@ pub mod scan;
 pub mod segments;
 pub mod signature;
 pub mod similarity;
+pub mod site;
 pub mod site_map;
 pub mod spectrum;
 pub mod windows;
