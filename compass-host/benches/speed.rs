@@ -85,7 +85,7 @@ fn queries(c: &mut Criterion) {
     let packed = PackedPlan::new(&raster).expect("a plan");
     // About 10,000 candidates on floor 1.
     let options = BuildOptions { spacing_m: 0.32, ..BuildOptions::default() };
-    let bytes = build(&raster, &packed, &options).expect("a map");
+    let bytes = build(&raster, &packed, None, &options).expect("a map");
     let map = SiteMap::new(&bytes).expect("a map");
     let mut groups = vec![Group::EMPTY; Index::groups(&map)];
     groups.iter_mut().enumerate().for_each(|(number, group)| group.fill(&map, number));

@@ -21,3 +21,4 @@ pub mod report;
 pub mod sample;
 pub mod simulate;
 pub mod site;
+pub mod site_file;

@@ -1,13 +1,17 @@
-//! A site map with its index, ready to answer.
+//! Site maps with their index, ready to answer.
 
 use anyhow::{Result, anyhow};
 use compass_core::descriptor::Descriptor;
-use compass_core::matching::{Answer, Exact, Group, Index, Match, exhaustive, nearest_signatures};
+use compass_core::matching::{
+    Answer, Exact, Group, Index, MAX_ALTERNATIVES, Match, exhaustive, nearest_signatures,
+};
+use compass_core::num::Score;
 use compass_core::scan::Scan;
 use compass_core::signature::Signature;
 use compass_core::similarity::{Confidence, Query, Similarity, Weights};
 use compass_core::site_map::SiteMap;
 use rayon::prelude::*;
+use std::cmp::Reverse;
 
 /// Matches that the search may choose its alternatives from.
 const POOL: usize = 512;
@@ -19,7 +23,7 @@ pub struct MatchOptions {
     pub similarity: Similarity,
     /// Channel weights.
     pub weights: Weights,
-    /// Keep about this many candidates of the nearest transition signatures.
+    /// Keep about this many candidates of a map, those of the nearest transition signatures.
     pub prefilter: Option<u32>,
 }
 
@@ -83,5 +87,58 @@ impl<'a> Localizer<'a> {
             &mut self.pool,
         )
         .ok_or_else(|| anyhow!("index of another map"))
+    }
+}
+
+/// The maps of all floors of a site.
+#[derive(Debug)]
+pub struct SiteLocalizer<'a> {
+    floors: Vec<Localizer<'a>>,
+}
+
+/// What a search of all floors found.
+#[derive(Debug, Clone)]
+pub struct SiteAnswer {
+    /// Number of the floor and match there, best first; on one floor at least 1 m or 20 degrees apart. Of equal
+    /// scores the lower number comes first. At most [`MAX_ALTERNATIVES`].
+    pub matches: Vec<(usize, Match)>,
+    /// Candidates that were scored exactly, at one shift or more.
+    pub scored: u32,
+    /// Whether nothing that was left out could have won.
+    pub exhaustive: bool,
+}
+
+impl<'a> SiteLocalizer<'a> {
+    /// Indexes the map of each floor on all cores.
+    #[must_use]
+    pub fn new(maps: impl IntoIterator<Item = SiteMap<'a>>) -> Self {
+        Self { floors: maps.into_iter().map(Localizer::new).collect() }
+    }
+
+    /// Finds the floors, candidates and headings that fit a scan best.
+    ///
+    /// # Errors
+    /// Never for a localizer made by [`SiteLocalizer::new`].
+    pub fn locate(&mut self, scan: &Scan, options: &MatchOptions) -> Result<SiteAnswer> {
+        let mut all = SiteAnswer { matches: Vec::new(), scored: 0, exhaustive: true };
+        for (number, floor) in self.floors.iter_mut().enumerate() {
+            let answer = floor.locate(scan, options)?;
+            all.matches.extend(answer.matches().iter().map(|&found| (number, found)));
+            all.scored += answer.scored;
+            all.exhaustive &= answer.exhaustive;
+        }
+        all.matches.sort_by_key(|(_, found)| Reverse(found.peak.score_bits));
+        all.matches.truncate(MAX_ALTERNATIVES);
+        Ok(all)
+    }
+}
+
+impl SiteAnswer {
+    /// By how much the best score exceeds the best one elsewhere, another floor included; the best score itself when
+    /// there is no other.
+    #[must_use]
+    pub fn margin(&self) -> Score {
+        let score = |at: usize| self.matches.get(at).map_or(Score::ZERO, |(_, found)| found.peak.score());
+        score(0).saturating_sub(score(1))
     }
 }

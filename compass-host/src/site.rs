@@ -6,10 +6,9 @@ use anyhow::{Context as _, Result, anyhow, bail};
 use compass_core::num::{Metres, Point, Turn};
 use compass_core::plan::{Frame, MarchError, Plan, pack, packed_len};
 use compass_core::scan::Scan;
-use compass_core::site_map::{Header, Layer, Sink, SiteMap, Writer};
+use compass_core::site_map::{Header, Layer, Sink, Writer};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
-use std::path::Path;
 
 /// A plan in the core's packed form.
 #[derive(Debug, Clone)]
@@ -94,13 +93,19 @@ impl Default for BuildOptions {
     }
 }
 
-/// Builds the site map of a plan: candidates on a grid over the interior, each with its scan.
+/// Builds the site map of a plan: candidates on a grid over the interior, each with its scan, and with the scan of
+/// the `structure` as a second layer when that is given.
 ///
 /// Uses all cores; the bytes are the same for any number of them.
 ///
 /// # Errors
 /// A plan without interior, options out of range, or no candidate left.
-pub fn build(raster: &PlanRaster, plan: &PackedPlan, options: &BuildOptions) -> Result<Vec<u8>> {
+pub fn build(
+    raster: &PlanRaster,
+    plan: &PackedPlan,
+    structure: Option<&PackedPlan>,
+    options: &BuildOptions,
+) -> Result<Vec<u8>> {
     let BuildOptions { spacing_m, clearance_m, max_gap_m } = *options;
     let (walls, windows) = (raster.walls_mask(), raster.windows_mask());
     let choice = max_gap_m.map_or_else(InteriorOptions::default, InteriorOptions::with_max_gap_m);
@@ -109,33 +114,36 @@ pub fn build(raster: &PlanRaster, plan: &PackedPlan, options: &BuildOptions) -> 
     if cells.is_empty() {
         bail!("no candidate: spacing {spacing_m} m and clearance {clearance_m} m leave no position inside");
     }
-    let layers = cast(plan, &cells);
+    let plans: Vec<Plan<'_>> = std::iter::once(plan).chain(structure).map(PackedPlan::view).collect();
+    let layers = cast(&plans, &cells);
     let header = Header {
         candidates: u32::try_from(cells.len()).context("too many candidates")?,
-        layers: 1,
+        layers: plans.len() as u8,
         frame: plan.view().frame(),
         spacing_mm: (spacing_m * 1000.0).round() as u32,
         plan_size: [raster.width, raster.height],
         plan_checksum: plan.view().checksum(),
     };
     let mut writer = Writer::new(Bytes::default(), &header)?;
-    for (cell, layer) in cells.iter().zip(&layers) {
-        writer.candidate(*cell, std::slice::from_ref(layer))?;
+    for (cell, layers) in cells.iter().zip(layers.chunks_exact(plans.len())) {
+        writer.candidate(*cell, layers)?;
     }
     Ok(writer.finish()?.0)
 }
 
-fn cast(plan: &PackedPlan, cells: &[[u16; 2]]) -> Vec<Layer> {
-    let progress = progress(cells.len(), "casting candidates");
-    let view = plan.view();
-    let layer = |&[column, row]: &[u16; 2]| {
+/// The layers of the first candidate, one of each plan, then those of the next.
+fn cast(plans: &[Plan<'_>], cells: &[[u16; 2]]) -> Vec<Layer> {
+    let progress = progress(cells.len() * plans.len(), "casting candidates");
+    let layer = |plan: &Plan<'_>, [column, row]: [u16; 2]| {
         let mut scan = Scan::OPEN;
-        // Candidates are free by construction; were one not, its scan would be open all around.
-        let _ = view.scan(view.cell_centre(column, row), Turn::ZERO, &mut scan);
+        // Candidates are free in the plan by construction, and in its structure, which only lacks walls; were one
+        // not, its scan would be open all around.
+        let _ = plan.scan(plan.cell_centre(column, row), Turn::ZERO, &mut scan);
         progress.inc(1);
         Layer::new(&scan)
     };
-    let layers = cells.par_iter().map(layer).collect();
+    let layers =
+        cells.par_iter().flat_map_iter(|&cell| plans.iter().map(move |plan| layer(plan, cell))).collect();
     progress.finish_and_clear();
     layers
 }
@@ -148,8 +156,9 @@ pub fn progress(len: usize, what: &'static str) -> ProgressBar {
     style.map_or_else(|_| bar.clone(), |style| bar.clone().with_style(style))
 }
 
+/// Bytes in memory, as the core writes them.
 #[derive(Default)]
-struct Bytes(Vec<u8>);
+pub(crate) struct Bytes(pub(crate) Vec<u8>);
 
 impl Sink for Bytes {
     type Error = std::convert::Infallible;
@@ -157,16 +166,6 @@ impl Sink for Bytes {
         self.0.extend_from_slice(bytes);
         Ok(())
     }
-}
-
-/// The bytes of a site map file, checked as a whole.
-///
-/// # Errors
-/// Names the file and the field that is wrong.
-pub fn read_map(path: &Path) -> Result<Vec<u8>> {
-    let bytes = std::fs::read(path).with_context(|| format!("{}: cannot be read", path.display()))?;
-    SiteMap::new(&bytes).and_then(|map| map.verify()).map_err(|e| anyhow!("{}: {e}", path.display()))?;
-    Ok(bytes)
 }
 
 #[cfg(test)]

@@ -1,12 +1,15 @@
 //! Helpers shared by the tests that span the crates.
 
+use compass_core::site::Floor;
 use compass_core::site_map::SiteMap;
 use compass_host::calibration::{Calibration, NOMINAL_YAML};
 use compass_host::dataset::tum::Pose;
 use compass_host::plan_import::PlanRaster;
+use compass_host::plan_import::structure::{DEFAULT_THICKNESS_M, keep_structure};
 use compass_host::sample;
 use compass_host::simulate::{Renderer, Scene, SceneOptions};
 use compass_host::site::{self, BuildOptions, PackedPlan};
+use compass_host::site_file::site_bytes;
 use image::RgbImage;
 use serde_json::Value;
 use std::collections::BTreeSet;
@@ -61,14 +64,29 @@ pub fn sample_plan() -> &'static (PlanRaster, PackedPlan) {
     })
 }
 
-/// The site map of the sample building with default options.
+/// The site map of the sample building with default options, of the plan as drawn alone.
 pub fn sample_map() -> &'static [u8] {
     static MAP: OnceLock<Vec<u8>> = OnceLock::new();
     MAP.get_or_init(|| {
         let (raster, plan) = sample_plan();
-        let bytes = site::build(raster, plan, &BuildOptions::default()).expect("sample map builds");
+        let bytes = site::build(raster, plan, None, &BuildOptions::default()).expect("sample map builds");
         assert!(SiteMap::new(&bytes).is_ok());
         bytes
+    })
+}
+
+/// The site file of the sample building with default options: the floor `sample`, with its structure as layer 1.
+pub fn sample_site() -> &'static [u8] {
+    static SITE: OnceLock<Vec<u8>> = OnceLock::new();
+    SITE.get_or_init(|| {
+        let (raster, plan) = sample_plan();
+        let kept = keep_structure(raster, DEFAULT_THICKNESS_M).expect("sample building has a structure");
+        let structure = PackedPlan::new(&kept).expect("its structure packs");
+        let map = site::build(raster, plan, Some(&structure), &BuildOptions::default());
+        let map = map.expect("sample map builds");
+        let map = SiteMap::new(&map).expect("a map");
+        let floor = Floor::new("sample", map, plan.view(), Some(structure.view())).expect("its own plans");
+        site_bytes(&[floor]).expect("one floor is a site")
     })
 }
 
@@ -95,7 +113,8 @@ pub fn recordings(test: &str) -> Option<PathBuf> {
     folder
 }
 
-/// A temporary folder with the sample building's `sample.png` and `sample.map`, to run `compass` in.
+/// A temporary folder with the sample building's `sample.png`, its plain site map `sample.map` and its site file
+/// `sample.site`, to run `compass` in.
 #[derive(Debug)]
 pub struct Folder(tempfile::TempDir);
 
@@ -111,7 +130,7 @@ pub struct Ran {
 }
 
 impl Folder {
-    /// A folder with the two files.
+    /// A folder with the three files.
     ///
     /// # Panics
     /// When they cannot be written.
@@ -126,6 +145,7 @@ impl Folder {
         });
         folder.write("sample.png", image);
         folder.write("sample.map", sample_map());
+        folder.write("sample.site", sample_site());
         folder
     }
 

@@ -1,9 +1,10 @@
 //! Bad input, from end to end: exit status 2, one line on standard error that names the thing, nothing
 //! left behind.
 
+use compass_core::site::Site;
 use compass_core::site_map::SiteMap;
-use compass_host::site::read_map;
-use compass_tests::{Folder, POSE, Ran, sample_map};
+use compass_host::site_file::SiteFile;
+use compass_tests::{Folder, POSE, Ran, sample_map, sample_site};
 use image::{GrayImage, Luma};
 
 const LOCALIZE: &str = "localize --from-plan sample.png --at 13.37,3.68 --heading 74 --map";
@@ -142,7 +143,11 @@ fn numbers_out_of_range() {
     for value in ["0", "-1", "1e9"] {
         refused(&folder, &format!("map build sample.png --out new.map --max-gap {value}"), &["gap"]);
     }
-    for option in ["spacing", "clearance", "max-gap"] {
+    for value in ["0", "-1", "6"] {
+        let named = ["sample.png", "structure thicker than"];
+        refused(&folder, &format!("map build sample.png --out new.map --thickness {value}"), &named);
+    }
+    for option in ["spacing", "clearance", "max-gap", "thickness"] {
         for value in ["nan", "inf", "wide"] {
             misused(&folder, &format!("map build sample.png --out new.map --{option} {value}"), option);
         }
@@ -192,7 +197,12 @@ fn words_that_are_no_options() {
         ("describe sample.png --at 1,1 --depth 3", "--depth"),
         ("map", "build"),
         ("map build sample.png", "--out"),
+        ("map build sample.png --out new.map --layers 3", "--layers"),
+        ("map build sample.png --out new.map --name=", "--name"),
+        ("map build sample.png --out new.map --name a_name_of_above_23_bytes", "--name"),
         ("map info", "FILE"),
+        ("map join --out new.map", "FILE"),
+        ("map join sample.site", "--out"),
         ("compare --poses 0", "--poses"),
         ("localize --map sample.map --at 1,1 --heading 0", "--from-plan"),
     ] {
@@ -265,7 +275,7 @@ fn maps_cut_short_or_with_more_behind() {
     let lengths = (0..80).chain((80..map.len()).step_by(4_999)).chain(map.len() - 5..map.len());
     for (number, length) in lengths.enumerate() {
         folder.write("cut.map", &map[..length]);
-        let error = read_map(&folder.path("cut.map")).unwrap_err().to_string();
+        let error = SiteFile::read(&folder.path("cut.map")).unwrap_err().to_string();
         assert!(error.contains("cut.map: ") && !error.contains('\n'), "{length}: {error}");
         if number % 40 == 0 {
             refused(&folder, "map info cut.map", &["cut.map", "length"]);
@@ -289,7 +299,7 @@ fn maps_with_one_byte_flipped() {
             assert!(SiteMap::new(&map).and_then(|m| m.verify()).is_err(), "byte {at} ^ {flip:#x}");
             if flip == 0xff {
                 folder.write("flipped.map", &map);
-                let error = read_map(&folder.path("flipped.map")).unwrap_err().to_string();
+                let error = SiteFile::read(&folder.path("flipped.map")).unwrap_err().to_string();
                 assert!(error.contains("flipped.map: ") && !error.contains('\n'), "{at}: {error}");
             }
             if flip == 0xff && number % 45 == 0 {
@@ -300,6 +310,65 @@ fn maps_with_one_byte_flipped() {
         }
     }
     assert!(map == sample_map());
+}
+
+/// What every command that reads a site says of one that is damaged.
+fn refused_by_all(folder: &Folder, file: &str, field: &str) {
+    refused(folder, &format!("map info {file}"), &[&format!("{file}: "), field]);
+    refused(folder, &format!("{LOCALIZE} {file}"), &[&format!("{file}: "), field]);
+    refused(folder, &format!("map join sample.site {file} --out new.site"), &[&format!("{file}: "), field]);
+}
+
+#[test]
+fn sites_damaged_or_cut_short() {
+    let folder = Folder::new();
+    let site = sample_site();
+    let lengths = (0..120).chain((120..site.len()).step_by(19_999)).chain(site.len() - 5..site.len());
+    for (number, length) in lengths.enumerate() {
+        folder.write("cut.site", &site[..length]);
+        let error = SiteFile::read(&folder.path("cut.site")).unwrap_err().to_string();
+        assert!(error.contains("cut.site: ") && !error.contains('\n'), "{length}: {error}");
+        if number % 60 == 0 {
+            refused_by_all(&folder, "cut.site", "length");
+        }
+    }
+    folder.write("long.site", &[site, &[0]].concat());
+    refused_by_all(&folder, "long.site", "length");
+
+    let flipped = |at: usize| [&site[..at], &[!site[at]], &site[at + 1..]].concat();
+    for at in (0..120).chain((120..site.len()).step_by(site.len() / 80)) {
+        folder.write("flipped.site", &flipped(at));
+        let error = SiteFile::read(&folder.path("flipped.site")).unwrap_err().to_string();
+        assert!(error.contains("flipped.site: ") && !error.contains('\n'), "{at}: {error}");
+    }
+    let plan = Site::new(site).unwrap().floor(0).unwrap().plan(1).unwrap().as_bytes();
+    let plan_at = plan.as_ptr().addr() - site.as_ptr().addr();
+    for (at, field) in [
+        (0, "not a site map"),
+        (8, "site version"),
+        (10, "floor count"),
+        (20, "header checksum"),
+        (1000, "site map checksum"),
+        (plan_at + 10_000, "layer 1: plan checksum"),
+        (site.len() - 1, "site checksum"),
+    ] {
+        folder.write("flipped.site", &flipped(at));
+        refused_by_all(&folder, "flipped.site", field);
+    }
+}
+
+#[test]
+fn sites_that_cannot_be_joined() {
+    let folder = Folder::new();
+    folder.write("other.site", sample_site());
+    let named = ["sample.site and other.site", "'sample'"];
+    refused(&folder, "map join sample.site other.site --out new.site", &named);
+    refused(&folder, "map join sample.site sample.map --out new.site", &["sample.map: ", "no plan"]);
+    refused(&folder, "map join sample.site missing.site --out new.site", &["missing.site"]);
+    refused(&folder, "map join sample.site sample.png --out new.site", &["sample.png: ", "not a site map"]);
+    // What is there stays.
+    refused(&folder, "map join sample.site other.site --out other.site", &named);
+    assert!(folder.read("other.site") == sample_site());
 }
 
 #[test]
@@ -318,6 +387,7 @@ fn outputs_that_cannot_be_written() {
             refused(&folder, &format!("{command} --json {target}"), &[target]);
         }
         refused(&folder, &format!("map build sample.png --spacing 2 --out {target}"), &[target]);
+        refused(&folder, &format!("map join sample.site --out {target}"), &[target]);
     }
     for target in ["file", "file/pictures"] {
         refused(&folder, &format!("describe sample.png {POSE} --figures {target}"), &[target]);

@@ -1,7 +1,7 @@
 //! The commands from end to end, as a script sees them, on the bundled sample building.
 
 use compass_host::sample;
-use compass_tests::{Folder, POSE, angle, number, numbers, sample_map};
+use compass_tests::{Folder, POSE, angle, number, numbers, sample_map, sample_site};
 use image::{GrayImage, Luma};
 use serde_json::Value;
 use std::f64::consts::SQRT_2;
@@ -173,9 +173,10 @@ fn a_map_is_built_and_described() {
     assert_eq!(number(&built["bytes"]), bytes.len() as f64);
     assert!(number(&built["seconds"]) > 0.0);
     let info = folder.json("map info built.map");
-    for part in ["candidates", "bytes"] {
+    for part in ["candidates", "layers", "bytes"] {
         assert_eq!(built[part], info[part], "{part}");
     }
+    assert_eq!(info["layers"], 2);
     assert_eq!(number(&info["spacing_m"]), 0.5);
     assert_eq!(number(&info["resolution_m"]), 0.01);
     assert_eq!(numbers(&info["plan_size_px"]), [3200.0, 2200.0]);
@@ -188,10 +189,10 @@ fn a_map_is_built_and_described() {
     }
 
     // The same again, by the other way to name the plan.
-    let again = folder.run("map build --plan sample.png --spacing 0.5 --out again.map");
+    let again = folder.run("map build --plan sample.png --spacing 0.5 --name sample --out again.map");
     assert_eq!(again.status, Some(0), "{}", again.stderr);
     assert!(folder.read("again.map") == bytes, "two builds differ");
-    assert!(sample_map() == bytes, "command and library differ");
+    assert!(sample_site() == bytes, "command and library differ");
 
     let coarse = folder.json("map build sample.png --spacing 1 --out coarse.map");
     let share = number(&coarse["candidates"]) / candidates;

@@ -83,7 +83,7 @@ fn score_near(query: &Query, map: &SiteMap<'_>, candidate: usize, heading: f64) 
 fn poses_off_the_grid_are_found_on_floor_1() {
     let Some(data) = recordings("poses_off_the_grid_are_found_on_floor_1") else { return };
     let (raster, plan) = floor(&data, "floor_1.png");
-    let bytes = build(&raster, &plan, &BuildOptions::default()).unwrap();
+    let bytes = build(&raster, &plan, None, &BuildOptions::default()).unwrap();
     assert!(bytes.len() < MAP_BYTES, "{} bytes", bytes.len());
     let map = SiteMap::new(&bytes).unwrap();
     let positions: Vec<[f64; 2]> = (0..map.len())

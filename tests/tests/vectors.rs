@@ -24,7 +24,7 @@ const MOST_BYTES: usize = 400_000;
 fn sample() -> (Vec<u8>, Vec<u8>) {
     let (raster, plan) = sample_plan();
     let options = BuildOptions { spacing_m: SPACING_M, clearance_m: CLEARANCE_M, max_gap_m: None };
-    let map = build(raster, plan, &options).unwrap();
+    let map = build(raster, plan, None, &options).unwrap();
     (plan.as_bytes().to_vec(), map)
 }
 

@@ -38,7 +38,7 @@ pub(super) struct Demo {
 #[derive(Debug, Serialize)]
 struct Output {
     truth: Truth,
-    found: Pose,
+    found: Pose<'static>,
     position_error_m: Decimal,
     heading_error_deg: Decimal,
     margin: Decimal,
@@ -69,7 +69,7 @@ impl Run {
     fn new() -> Result<Self> {
         let (raster, plan) = plan::sample()?;
         let started = Instant::now();
-        let map = build(&raster, &plan, &BuildOptions::default())?;
+        let map = build(&raster, &plan, None, &BuildOptions::default())?;
         let build_seconds = started.elapsed().as_secs_f64();
         let (at, heading) = DEMO_POSE;
         let clean = plan.scan(at, heading)?;
@@ -83,9 +83,9 @@ impl Run {
         SiteMap::new(&self.map).context("sample map")
     }
 
-    fn poses(&self) -> Result<Vec<Pose>> {
+    fn poses(&self) -> Result<Vec<Pose<'static>>> {
         let map = self.map()?;
-        Ok(self.answer.matches().iter().map(|m| Pose::of(m, &map)).collect())
+        Ok(self.answer.matches().iter().map(|m| Pose::of(m, &map, None)).collect())
     }
 }
 
@@ -136,7 +136,7 @@ impl Demo {
     }
 }
 
-fn draw(dir: &Path, run: &Run, poses: &[Pose]) -> Result<()> {
+fn draw(dir: &Path, run: &Run, poses: &[Pose<'_>]) -> Result<()> {
     let (at, heading) = DEMO_POSE;
     write_plan(&dir.join("sample-building.png"))?;
     pictures::describe(dir, &run.raster, at, heading, &Described::fixed(&run.clean))?;
@@ -205,7 +205,7 @@ fn curves(run: &Run) -> Result<[[f64; 360]; 2]> {
     }))
 }
 
-fn draw_map(dir: &Path, run: &Run, poses: &[Pose]) -> Result<()> {
+fn draw_map(dir: &Path, run: &Run, poses: &[Pose<'_>]) -> Result<()> {
     let map = run.map()?;
     let (mut query, mut correlator) = (Box::new(Query::EMPTY), Box::new(Correlator::new()));
     query.set(&Descriptor::from(&run.query), &Confidence::CERTAIN, Weights::EQUAL, Similarity::Centred);
@@ -222,7 +222,7 @@ fn draw_map(dir: &Path, run: &Run, poses: &[Pose]) -> Result<()> {
         .filter_map(|index| map.position(index))
         .map(|at| [at.x.to_num(), at.y.to_num()])
         .collect();
-    let pose = |p: &Pose| MapPose { position: [p.x.0, p.y.0], heading_deg: p.heading_deg.0 };
+    let pose = |p: &Pose<'_>| MapPose { position: [p.x.0, p.y.0], heading_deg: p.heading_deg.0 };
     let alternatives: Vec<MapPose> = poses.iter().skip(1).map(pose).collect();
     let picture = SiteMapPicture {
         candidates: &positions,
@@ -236,7 +236,7 @@ fn draw_map(dir: &Path, run: &Run, poses: &[Pose]) -> Result<()> {
     Ok(())
 }
 
-fn sections(run: &Run, poses: &[Pose]) -> Vec<Section> {
+fn sections(run: &Run, poses: &[Pose<'_>]) -> Vec<Section> {
     let picture = |file: &str, caption: &str| Picture { file: file.into(), caption: caption.into() };
     let (at, heading) = DEMO_POSE;
     let rows = poses.iter().enumerate().map(|(rank, pose)| {

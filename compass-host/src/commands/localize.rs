@@ -1,13 +1,13 @@
-//! `compass localize`: position and heading on a site map.
+//! `compass localize`: floor, position and heading on a site.
 
 use super::Outcome;
 use super::plan::{Reading, finite, pair};
-use crate::localizer::{Localizer, MatchOptions};
+use crate::localizer::{MatchOptions, SiteAnswer, SiteLocalizer};
 use crate::noise::disturb;
 use crate::output::{Decimal, JsonOption};
-use crate::site::read_map;
-use anyhow::{Context as _, Result, anyhow, bail};
-use compass_core::matching::{Answer, Match};
+use crate::site_file::{SiteFile, Storey};
+use anyhow::{Context as _, Result, bail};
+use compass_core::matching::Match;
 use compass_core::similarity::{Similarity, Weights};
 use compass_core::site_map::SiteMap;
 use serde::Serialize;
@@ -18,7 +18,7 @@ use std::time::Instant;
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Localize {
-    /// The site map
+    /// The site file, or a plain site map
     #[arg(long, value_name = "FILE")]
     map: PathBuf,
     /// Cast the query from this plan instead of seeing it
@@ -53,7 +53,7 @@ pub(super) struct Matching {
     /// Relative weights of the five channels, 0..255 each
     #[arg(long, value_name = "A,B,C,D,E", default_value = "16,16,16,16,16", value_parser = weights)]
     weights: Weights,
-    /// Leave out all but about N candidates, those of the nearest transition signatures
+    /// Leave out all but about N candidates of each floor, those of the nearest transition signatures
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), allow_hyphen_values = true)]
     prefilter: Option<u32>,
 }
@@ -88,17 +88,21 @@ fn weights(text: &str) -> Result<Weights, String> {
 
 /// A pose with its score.
 #[derive(Debug, Clone, Copy, Serialize)]
-pub(super) struct Pose {
+pub(super) struct Pose<'a> {
+    /// Where there are several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    floor: Option<&'a str>,
     pub(super) x: Decimal,
     pub(super) y: Decimal,
     pub(super) heading_deg: Decimal,
     pub(super) score: Decimal,
 }
 
-impl Pose {
-    pub(super) fn of(found: &Match, map: &SiteMap<'_>) -> Self {
+impl<'a> Pose<'a> {
+    pub(super) fn of(found: &Match, map: &SiteMap<'_>, floor: Option<&'a str>) -> Self {
         let at = map.position(found.candidate as usize).unwrap_or_default();
         Self {
+            floor,
             x: Decimal(at.x.to_num()),
             y: Decimal(at.y.to_num()),
             heading_deg: Decimal(f64::from(found.peak.shift)),
@@ -113,8 +117,19 @@ impl Pose {
     }
 }
 
+/// The matches as poses, with their floor where there are several.
+fn poses<'a>(answer: &SiteAnswer, storeys: &[Storey<'a>]) -> Vec<Pose<'a>> {
+    let pose = |(floor, found): &(usize, Match)| {
+        let storey = storeys.get(*floor)?;
+        Some(Pose::of(found, &storey.map, storey.name().filter(|_| storeys.len() > 1)))
+    };
+    answer.matches.iter().filter_map(pose).collect()
+}
+
 #[derive(Debug, Serialize)]
-struct Output {
+struct Output<'a> {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    floor: Option<&'a str>,
     x: Decimal,
     y: Decimal,
     heading_deg: Decimal,
@@ -122,7 +137,7 @@ struct Output {
     up_in_cam0: Option<[Decimal; 3]>,
     score: Decimal,
     margin: Decimal,
-    candidates: Vec<Pose>,
+    candidates: Vec<Pose<'a>>,
     position_error_m: Decimal,
     heading_error_deg: Decimal,
     scored: u32,
@@ -134,19 +149,19 @@ impl Localize {
     pub(super) fn run(&self) -> Result<Outcome> {
         let Some(plan_path) = &self.from_plan else { bail!("no query: name a plan with --from-plan") };
         let mut clock = Clock::default();
-        let bytes = read_map(&self.map)?;
-        let map = SiteMap::new(&bytes).map_err(|e| anyhow!("{}: {e}", self.map.display()))?;
+        let file = SiteFile::read(&self.map)?;
+        let storeys = file.storeys();
         clock.stage("read_map");
         let (_, plan) = self.reading.load(plan_path)?;
         clock.stage("read_plan");
         let mut scan = plan.scan(self.at, self.heading).with_context(|| plan_path.display().to_string())?;
         disturb(&mut scan, self.noise, self.seed);
         clock.stage("cast");
-        let mut localizer = Localizer::new(map);
+        let mut localizer = SiteLocalizer::new(storeys.iter().map(|storey| storey.map));
         clock.stage("index");
         let answer = localizer.locate(&scan, &self.matching.options())?;
         clock.stage("search");
-        let poses: Vec<Pose> = answer.matches().iter().map(|m| Pose::of(m, &map)).collect();
+        let poses = poses(&answer, &storeys);
         // A score of 0 says nothing: no candidate resembles the query, or the query has no contrast.
         let Some(best) = poses.first().copied().filter(|best| best.score.0 > 0.0) else {
             self.json.emit(&serde_json::json!({ "candidates": [] }), "no pose found\n")?;
@@ -155,6 +170,7 @@ impl Localize {
         let summary = self.summary(&poses, &answer, &clock);
         let (position_error, heading_error) = best.error(self.at, self.heading);
         let output = Output {
+            floor: best.floor,
             x: best.x,
             y: best.y,
             heading_deg: best.heading_deg,
@@ -172,13 +188,14 @@ impl Localize {
         Ok(Outcome::Done)
     }
 
-    fn summary(&self, poses: &[Pose], answer: &Answer, clock: &Clock) -> String {
+    fn summary(&self, poses: &[Pose<'_>], answer: &SiteAnswer, clock: &Clock) -> String {
         let mut text = String::new();
         for (rank, pose) in poses.iter().enumerate() {
             let (metres, degrees) = pose.error(self.at, self.heading);
+            let floor = pose.floor.map_or_else(String::new, |name| format!("{name}  "));
             let _ = writeln!(
                 text,
-                "{:>2}. x {:8.3} m  y {:8.3} m  heading {:5.1}  score {:.4}  ({metres:.2} m, {degrees:.1} degrees off)",
+                "{:>2}. {floor}x {:8.3} m  y {:8.3} m  heading {:5.1}  score {:.4}  ({metres:.2} m, {degrees:.1} degrees off)",
                 rank + 1,
                 pose.x.0,
                 pose.y.0,

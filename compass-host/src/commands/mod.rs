@@ -32,10 +32,10 @@ enum Command {
     Demo(demo::Demo),
     /// Cast the descriptor of a position from a plan
     Describe(describe::Describe),
-    /// Build a site map, or print what is in one
+    /// Build site files, join them, or print what is in one
     #[command(subcommand)]
     Map(map::Map),
-    /// Find position and heading on a site map
+    /// Find floor, position and heading on a site
     Localize(localize::Localize),
     /// Compare the fixed-point core with the float reference, stage by stage
     Compare(compare::Compare),

@@ -1,0 +1,74 @@
+//! Site files in memory: read and checked as a whole, made from floors.
+
+use crate::site::Bytes;
+use anyhow::{Context as _, Result, anyhow};
+use compass_core::site::{Floor, Site, SiteError, Writer};
+use compass_core::site_map::SiteMap;
+use std::path::Path;
+
+/// The bytes of a site file, or of a plain site map, which counts as one floor without name and plan.
+#[derive(Debug, Clone)]
+pub struct SiteFile {
+    bytes: Vec<u8>,
+}
+
+/// A floor of a file.
+#[derive(Debug, Clone, Copy)]
+pub struct Storey<'a> {
+    /// Its candidates.
+    pub map: SiteMap<'a>,
+    /// All of it; a plain site map is none.
+    pub floor: Option<Floor<'a>>,
+}
+
+impl SiteFile {
+    /// Reads a file and compares all its checksums.
+    ///
+    /// # Errors
+    /// Names the file and the field that is wrong.
+    pub fn read(path: &Path) -> Result<Self> {
+        let bytes = std::fs::read(path).with_context(|| format!("{}: cannot be read", path.display()))?;
+        verify(&bytes).map_err(|e| anyhow!("{}: {e}", path.display()))?;
+        Ok(Self { bytes })
+    }
+
+    /// The file as it is.
+    #[must_use]
+    pub fn as_bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+
+    /// The floors in the order of the file; there is at least one.
+    #[must_use]
+    pub fn storeys(&self) -> Vec<Storey<'_>> {
+        match Site::new(&self.bytes) {
+            Ok(site) => site.floors().map(|floor| Storey { map: *floor.map(), floor: Some(floor) }).collect(),
+            Err(_) => SiteMap::new(&self.bytes).map(|map| Storey { map, floor: None }).into_iter().collect(),
+        }
+    }
+}
+
+impl<'a> Storey<'a> {
+    /// Its name, where it has one.
+    #[must_use]
+    pub fn name(&self) -> Option<&'a str> {
+        self.floor.map(|floor| floor.name())
+    }
+}
+
+fn verify(bytes: &[u8]) -> Result<()> {
+    match Site::new(bytes) {
+        Err(SiteError::Magic) => Ok(SiteMap::new(bytes)?.verify()?),
+        site => Ok(site?.verify()?),
+    }
+}
+
+/// A site file of these floors.
+///
+/// # Errors
+/// [`SiteError`]: no floor or too many, two of one name, or more bytes than the format can count.
+pub fn site_bytes(floors: &[Floor<'_>]) -> Result<Vec<u8>, SiteError> {
+    let writer = Writer::new(floors)?;
+    let Ok(Bytes(bytes)) = writer.write(Bytes(Vec::with_capacity(writer.site_bytes())));
+    Ok(bytes)
+}
