@@ -1,6 +1,7 @@
 //! What the operations of a localization cost on a board, on any map: the figures by which a board is chosen.
 //!
-//! Arguments: a site map and the packed plan it was made from, files of the host, which are read into RAM.
+//! Arguments: a site file, whose first floor is taken, or a plain site map and the packed plan it was made from; files
+//! of the host, which are read into RAM.
 //!
 //! Figures are instructions, means over candidates spread over the map; a query is the descriptor of
 //! another candidate's place. `part` lines say where a figure above them comes from.
@@ -13,6 +14,7 @@ use compass_core::num::{BINS, Score, Turn};
 use compass_core::plan::Plan;
 use compass_core::scan::Scan;
 use compass_core::similarity::{Candidate, Confidence, Query, Similarity, Weights};
+use compass_core::site::Site;
 use compass_core::site_map::{SiteMap, SketchQuery};
 use compass_core::spectrum::{Complex, Correlator, Extent, MAX_POINTS, forward, inverse};
 use compass_firmware::{counter::Counter, stack};
@@ -78,9 +80,8 @@ fn main() -> ! {
     static mut WORKSPACE: Workspace = Workspace::EMPTY;
 
     let (map, plan) = read_files(INPUT);
-    println!("bytes map {} plan {} workspace {}", map.len(), plan.len(), size_of::<Workspace>());
-    let map = SiteMap::new(map).expect("the first file is a site map");
-    let plan = Plan::new(plan).expect("the second file is a packed plan");
+    let (map_bytes, plan_bytes) = (map.as_bytes().len(), plan.as_bytes().len());
+    println!("bytes map {map_bytes} plan {plan_bytes} workspace {}", size_of::<Workspace>());
     map.verify().expect("the site map is whole");
     plan.verify().expect("the plan is whole");
     println!("candidates {}", map.len());
@@ -272,16 +273,23 @@ fn part(name: &str, instructions: u64) {
     println!("  part {name} {instructions}");
 }
 
-/// Reads the files named by the first two arguments.
-fn read_files(memory: &mut [u8]) -> (&[u8], &[u8]) {
+/// Reads the first floor of the site file that is named by the only argument, or the two files of two.
+fn read_files(memory: &mut [u8]) -> (SiteMap<'_>, Plan<'_>) {
     let arguments = env::args::<LINE_BYTES>().expect("the command line is short");
     let mut paths = (&arguments).skip(1).map(|path| path.expect("paths are UTF-8"));
-    let (Some(map), Some(plan)) = (paths.next(), paths.next()) else {
-        panic!("usage: -append \"MAP PLAN\", the names of a site map and of a packed plan without spaces")
+    let Some(first) = paths.next() else {
+        panic!(
+            "usage: -append \"SITE\" or \"MAP PLAN\", names of a site file, or of a site map and its packed plan"
+        )
     };
-    let (map, rest) = read_file(map, memory);
-    let (plan, _) = read_file(plan, rest);
-    (map, plan)
+    let (bytes, rest) = read_file(first, memory);
+    let Some(second) = paths.next() else {
+        let site = Site::new(bytes).expect("the only file is a site file");
+        let floor = site.floor(0).expect("a site has a floor");
+        return (*floor.map(), floor.plan(0).expect("a floor has a plan"));
+    };
+    let map = SiteMap::new(bytes).expect("the first file is a site map");
+    (map, Plan::new(read_file(second, rest).0).expect("the second file is a packed plan"))
 }
 
 /// Reads a file to the front of `memory`; returns it and the rest.
