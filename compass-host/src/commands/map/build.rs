@@ -148,7 +148,7 @@ mod tests {
     fn file_names_become_names_of_floors() {
         for (file, name) in [
             ("plans/floor_1.png", "floor_1"),
-            ("Erdgeschoß mit Anbau (neu).png", "Erdgeschoß mit Anbau (n"),
+            ("Erdgeschoß mit Anbau (neu).png", "Erdgeschoß mit Anbau ("),
             ("zweiundzwanzig Zeichen_ß.png", "zweiundzwanzig Zeichen_"),
             ("einundzwanzig Zeichen_ß.png", "einundzwanzig Zeichen_"),
             ("a\nb.png", "ab"),
