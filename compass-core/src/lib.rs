@@ -19,6 +19,7 @@
 //! | [`signature`] | the rotation-invariant transition signature |
 //! | [`site_map`] | the map of candidate positions as bytes |
 //! | [`matching`] | search over candidates and headings |
+//! | [`likelihood`] | likelihood of a pose under a table of evidence: search and refinement |
 //! | [`camera`] | fisheye models, bearing to pixel and back; the rig of two |
 //! | [`segments`] | line segments of an image, by edge drawing |
 //! | [`attitude`] | up vector and the building's axes from vanishing points |
@@ -41,6 +42,7 @@ pub mod descriptor;
 #[cfg(feature = "draw")]
 pub mod draw;
 mod harmonics;
+pub mod likelihood;
 pub mod matching;
 pub mod num;
 pub mod plan;
