@@ -20,6 +20,7 @@
 //! | [`site_map`] | the map of candidate positions as bytes |
 //! | [`site`] | the file of a site: floors with their site maps and plans |
 //! | [`matching`] | search over candidates and headings |
+//! | [`likelihood`] | likelihood of a pose under a table of evidence: search and refinement |
 //! | [`camera`] | fisheye models, bearing to pixel and back; the rig of two |
 //! | [`segments`] | line segments of an image, by edge drawing |
 //! | [`attitude`] | up vector and the building's axes from vanishing points |
@@ -42,6 +43,7 @@ pub mod descriptor;
 #[cfg(feature = "draw")]
 pub mod draw;
 mod harmonics;
+pub mod likelihood;
 pub mod matching;
 pub mod num;
 pub mod plan;

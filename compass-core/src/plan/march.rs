@@ -111,6 +111,25 @@ impl Plan<'_> {
     /// # Cost
     /// At most 1500 samples a ray; about 10 in a furnished storey, thanks to skipping.
     pub fn scan(&self, at: Point, heading: Turn, out: &mut Scan) -> Result<(), MarchError> {
+        let rays = self.rays(at, heading, 1)?;
+        for (ray, (steps, hit)) in rays.zip(out.steps.iter_mut().zip(&mut out.hit)) {
+            (*steps, *hit) = ray;
+        }
+        Ok(())
+    }
+
+    /// Casts every `stride`-th of the rays of [`Plan::scan`], each when it is asked for: range in steps
+    /// and hit type of bins 0, `stride`, ... below 360.
+    ///
+    /// # Errors
+    /// [`MarchError`] when the position is outside the plan or occupied.
+    #[inline]
+    pub fn rays(
+        &self,
+        at: Point,
+        heading: Turn,
+        stride: usize,
+    ) -> Result<impl Iterator<Item = (u16, Hit)>, MarchError> {
         match self.hit_at(at) {
             None => return Err(MarchError::Outside),
             Some(Hit::Open) => {}
@@ -118,14 +137,12 @@ impl Plan<'_> {
         }
         let (x, y) = self.cells(at);
         let fan = heading.fan();
-        for (bin, (steps, hit)) in (0..BINS).zip(out.steps.iter_mut().zip(&mut out.hit)) {
+        Ok((0..BINS).step_by(stride.max(1)).map(move |bin| {
             let (cos, sin) = fan.cos_sin(bin);
             // Q28 cells (at most 2^32.4) x Q30 gives Q58, to Q32.
             let step = |unit: i32| (self.step * i64::from(unit) + (1 << 25)) >> 26;
-            let ray = Ray { x: Axis::new(x, step(cos.to_bits())), y: Axis::new(y, step(sin.to_bits())) };
-            (*steps, *hit) = self.march(ray);
-        }
-        Ok(())
+            self.march(Ray { x: Axis::new(x, step(cos.to_bits())), y: Axis::new(y, step(sin.to_bits())) })
+        }))
     }
 
     /// Follows one ray to its first occupied sample.
@@ -369,6 +386,10 @@ mod tests {
                 for bin in 0..BINS {
                     let expected = drawing.step(&plan, at, heading, bin);
                     prop_assert_eq!((scan.steps[bin], scan.hit[bin]), expected, "bin {}", bin);
+                }
+                let rays = plan.rays(at, heading, 7).unwrap().zip((0..BINS).step_by(7));
+                for (ray, bin) in rays {
+                    prop_assert_eq!(ray, (scan.steps[bin], scan.hit[bin]), "bin {}", bin);
                 }
             }
         }

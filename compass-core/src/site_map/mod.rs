@@ -37,7 +37,7 @@ mod sketch;
 mod view;
 mod write;
 
-pub(crate) use packed::ladder_code;
+pub(crate) use packed::{LADDER, ladder_code};
 pub use packed::{PACKED_SCAN_BYTES, PackedScan};
 pub use sketch::{SKETCH_HARMONICS, SKETCH_POINTS, Sketch, SketchQuery};
 pub use view::{LayerView, Record, SiteMap};

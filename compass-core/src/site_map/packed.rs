@@ -20,7 +20,7 @@ const OPEN: u8 = 255;
 const RUNGS: usize = 255;
 
 /// Steps per code: `next = this + max(1, this / GROWTH)`, the rung of code 254 being 1500.
-static LADDER: [u16; RUNGS] = {
+pub(crate) const LADDER: [u16; RUNGS] = {
     // In 1/1024 steps, so that rounding does not distort the ladder.
     const GROWTH: u32 = 60;
     let mut ladder = [0; RUNGS];

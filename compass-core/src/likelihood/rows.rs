@@ -1,0 +1,273 @@
+//! A table laid out so that a candidate is scored at all headings by a few sums of long rows.
+//!
+//! The candidate's ray i, cast with heading 0, is seen by a robot of heading h in bin i - h. Rows are
+//! stored backwards, so the values of all headings lie one behind the other, and twice, so that they
+//! do not wrap. A row holds running sums: neighbouring rays of one plane (a third to two thirds of
+//! all) cost one difference instead of one sum each. Values count from -[`LIMIT`], so running sums only
+//! grow; they may wrap at 2^16, which the last difference undoes: 360 values reach at most 63,360.
+
+use super::table::{LIMIT, OPEN_PLANE, PLANES, RANGES, Table, plane_of};
+use crate::num::BINS;
+use crate::scan::{Hit, Scan};
+use crate::site_map::{LADDER, PACKED_SCAN_BYTES};
+
+/// The value of "nothing known", counted from -[`LIMIT`].
+const ZERO: u16 = LIMIT.unsigned_abs() as u16;
+const _: () = assert!(BINS * 2 * ZERO as usize <= u16::MAX as usize, "sums fit 16 bits");
+/// Up to here running sums around the circle and once more do not wrap.
+const UNWRAPPED: usize = u16::MAX as usize / (4 * ZERO as usize);
+
+/// Planes of walls by range code; open is open.
+static WALL_PLANES: [u8; 256] = {
+    let mut planes = [OPEN_PLANE; 256];
+    let mut code = 0;
+    while code < LADDER.len() {
+        planes[code] = plane_of(LADDER[code], Hit::Wall);
+        code += 1;
+    }
+    planes
+};
+
+/// A [`Table`] at N headings, 360 or a divisor of it that is even: 580 N bytes.
+///
+/// A bin is the mean of the table's `360 / N`, rounded to the nearest 1/16 nat.
+#[derive(Debug, Clone)]
+pub struct Rows<const N: usize> {
+    /// Sums of what lies before, backwards from the last bin.
+    sums: [[[u16; N]; 2]; PLANES],
+}
+
+impl<const N: usize> Rows<N> {
+    /// Table bins of one bin.
+    pub const STRIDE: usize = {
+        assert!(N > 0 && BINS.is_multiple_of(N) && N.is_multiple_of(2), "N divides 360 and is even");
+        BINS / N
+    };
+
+    /// Rows to be [set](Rows::set): all bytes zero.
+    pub const BLANK: Self = Self { sums: [[[0; N]; 2]; PLANES] };
+
+    /// A sum of N bins as one of 360.
+    pub(super) const fn of_360(score: i16) -> i32 {
+        score as i32 * Self::STRIDE as i32
+    }
+
+    /// Takes over a table.
+    pub fn set(&mut self, table: &Table) {
+        for (plane, copies) in (0..).zip(&mut self.sums) {
+            let Some(values) = table.plane(plane) else { return };
+            let mut sum = 0_u16;
+            for copy in copies {
+                for (slot, bins) in copy.iter_mut().zip(values.chunks_exact(Self::STRIDE).rev()) {
+                    *slot = sum;
+                    let whole: u16 =
+                        bins.iter().map(|&v| i16::from(v).cast_unsigned().wrapping_add(ZERO)).sum();
+                    sum = sum.wrapping_add((whole + Self::STRIDE as u16 / 2) / Self::STRIDE as u16);
+                }
+            }
+        }
+    }
+
+    /// The planes of a candidate, from its scan cast with heading 0.
+    #[must_use]
+    pub fn planes(scan: &Scan) -> [u8; N] {
+        let mut planes = [OPEN_PLANE; N];
+        // The middle one of the bins that make up a bin.
+        let middle = Self::STRIDE / 2;
+        let rays = scan.steps.iter().zip(&scan.hit).skip(middle).step_by(Self::STRIDE);
+        for (plane, (&steps, &hit)) in planes.iter_mut().zip(rays) {
+            *plane = plane_of(steps, hit);
+        }
+        planes
+    }
+
+    /// The planes of a candidate from the bytes a site map stores; those of the unpacked scan.
+    #[must_use]
+    pub fn planes_of_packed(packed: &[u8; PACKED_SCAN_BYTES]) -> [u8; N] {
+        let (codes, windows) = packed.split_at(BINS);
+        let mut planes = [OPEN_PLANE; N];
+        let rays = (0..BINS).zip(codes).skip(Self::STRIDE / 2).step_by(Self::STRIDE);
+        for (plane, (bin, &code)) in planes.iter_mut().zip(rays) {
+            let window = windows.get(bin / 8).map_or(0, |bits| bits >> (bin % 8) & 1);
+            let wall = WALL_PLANES.get(usize::from(code)).copied().unwrap_or(OPEN_PLANE);
+            *plane = (wall + RANGES as u8 * window).min(OPEN_PLANE);
+        }
+        planes
+    }
+
+    /// Log-likelihood at every heading, in 1/16 nat and of N bins: `out[s]` at heading s 360 / N degrees.
+    ///
+    /// A plane that does not exist counts as open.
+    #[inline]
+    pub fn scores(&self, planes: &[u8; N], out: &mut [i16; N]) {
+        let mut sums = [0_u16; N];
+        let mut pairs = [0_u32; UNWRAPPED / 2];
+        let mut runs = self.runs(planes);
+        while let Some(first) = runs.next() {
+            let both = [first, runs.next().unwrap_or(Run::NONE)];
+            if N <= UNWRAPPED { add_pairs(both, &mut pairs) } else { add(both, &mut sums) }
+        }
+        if N <= UNWRAPPED {
+            for (sums, pair) in sums.as_chunks_mut::<2>().0.iter_mut().zip(pairs) {
+                *sums = [pair as u16, (pair >> 16) as u16];
+            }
+        }
+        *out = sums.map(|sum| sum.wrapping_sub(N as u16 * ZERO).cast_signed());
+    }
+
+    /// Per run of equal planes the two rows whose difference is its sum.
+    #[inline]
+    fn runs<'a>(&'a self, planes: &'a [u8; N]) -> impl Iterator<Item = Run<'a, N>> {
+        let mut at = N;
+        planes.chunk_by(|a, b| a == b).map(move |run| {
+            let plane = usize::from(run.first().copied().unwrap_or(OPEN_PLANE).min(OPEN_PLANE));
+            let row = self.sums.get(plane).map(|copies| copies.as_flattened()).unwrap_or_default();
+            let part = |from: usize| row.get(from..).and_then(<[u16]>::first_chunk).unwrap_or(&[0; N]);
+            let from = at;
+            at = at.saturating_sub(run.len());
+            Run { plus: part(from), minus: part(at) }
+        })
+    }
+}
+
+/// Running sums at all headings, from the first ray of a run on and from behind the last.
+#[derive(Debug, Clone, Copy)]
+struct Run<'a, const N: usize> {
+    plus: &'a [u16; N],
+    minus: &'a [u16; N],
+}
+
+impl<const N: usize> Run<'_, N> {
+    const NONE: Self = Self { plus: &[0; N], minus: &[0; N] };
+}
+
+/// Adds two runs.
+#[inline]
+fn add<const N: usize>([a, b]: [Run<'_, N>; 2], sums: &mut [u16; N]) {
+    let rows = a.plus.iter().zip(a.minus).zip(b.plus.iter().zip(b.minus));
+    for (sum, ((a_plus, a_minus), (b_plus, b_minus))) in sums.iter_mut().zip(rows) {
+        let rise = a_plus.wrapping_sub(*a_minus).wrapping_add(b_plus.wrapping_sub(*b_minus));
+        *sum = sum.wrapping_add(rise);
+    }
+}
+
+/// Adds two runs, two headings to a word: without wrapping no half ever borrows from the next for good.
+#[inline]
+fn add_pairs<const N: usize>([a, b]: [Run<'_, N>; 2], sums: &mut [u32; UNWRAPPED / 2]) {
+    let word = |pair: &[u16; 2]| u32::from(pair[0]) | u32::from(pair[1]) << 16;
+    let [a_plus, a_minus, b_plus, b_minus] =
+        [a.plus, a.minus, b.plus, b.minus].map(|row| row.as_chunks::<2>().0);
+    let rows = a_plus.iter().zip(a_minus).zip(b_plus.iter().zip(b_minus));
+    for (sum, ((a_plus, a_minus), (b_plus, b_minus))) in sums.iter_mut().zip(rows) {
+        let rise =
+            word(a_plus).wrapping_sub(word(a_minus)).wrapping_add(word(b_plus).wrapping_sub(word(b_minus)));
+        *sum = sum.wrapping_add(rise);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::site_map::PackedScan;
+    use proptest::prelude::*;
+    use std::boxed::Box;
+
+    /// A table of noise, its values within the limit.
+    fn noise(seed: u64) -> Box<Table> {
+        let mut table = Box::new(Table::EMPTY);
+        let mut state = seed | 1;
+        for plane in 0..PLANES as u8 {
+            for bin in 0..BINS {
+                state ^= state << 13;
+                state ^= state >> 7;
+                state ^= state << 17;
+                // A fifth lies beyond the limit and is clipped to it.
+                table.set(plane, bin, (state % 221) as i32 - 110);
+            }
+        }
+        table
+    }
+
+    /// The sum over a candidate's rays at a heading, in exact 1/16 nat of all 360 bins.
+    fn naive<const N: usize>(table: &Table, planes: &[u8; N], heading: usize) -> f64 {
+        let stride = BINS / N;
+        let mut sum = 0.0;
+        for (ray, &plane) in planes.iter().enumerate() {
+            let bin = (ray + N - heading) % N * stride;
+            sum += (0..stride).map(|k| f64::from(table.get(plane, bin + k))).sum::<f64>();
+        }
+        sum
+    }
+
+    fn check<const N: usize>(seed: u64) -> Result<(), TestCaseError> {
+        let table = noise(seed);
+        let mut rows = Box::new(Rows::<N>::BLANK);
+        rows.set(&table);
+        let planes = core::array::from_fn(|i| ((i * i + seed as usize) % PLANES) as u8);
+        let mut scores = [0; N];
+        rows.scores(&planes, &mut scores);
+        for (heading, &score) in scores.iter().enumerate() {
+            let expected = naive(&table, &planes, heading) * N as f64 / BINS as f64;
+            let rounding = if N == BINS { 0.0 } else { 0.5 * N as f64 };
+            let got = f64::from(score);
+            prop_assert!((got - expected).abs() <= rounding, "{} at {}, not {}", got, heading, expected);
+        }
+        Ok(())
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(12))]
+        #[test]
+        fn sums_are_those_of_the_table(seed: u64) {
+            check::<360>(seed)?;
+            check::<180>(seed)?;
+            check::<120>(seed)?;
+            check::<90>(seed)?;
+            check::<30>(seed)?;
+        }
+    }
+
+    #[test]
+    fn packed_scans_have_the_planes_of_unpacked_ones() {
+        let mut packed = PackedScan([0; PACKED_SCAN_BYTES]);
+        for seed in 0..8 {
+            for (at, byte) in packed.0.iter_mut().enumerate() {
+                *byte = (at * at + 37 * seed) as u8;
+            }
+            let mut scan = Scan::OPEN;
+            packed.unpack(&mut scan);
+            assert_eq!(Rows::<360>::planes_of_packed(&packed.0), Rows::planes(&scan));
+            assert_eq!(Rows::<90>::planes_of_packed(&packed.0), Rows::planes(&scan));
+        }
+    }
+
+    #[test]
+    fn extremes_do_not_overflow() {
+        for value in [-1000, 1000] {
+            let mut table = Box::new(Table::EMPTY);
+            for (plane, bin) in (0..PLANES as u8).flat_map(|p| (0..BINS).map(move |b| (p, b))) {
+                table.set(plane, bin, value);
+            }
+            let mut rows = Box::new(Rows::<360>::BLANK);
+            rows.set(&table);
+            let mut scores = [0; 360];
+            rows.scores(&[255; 360], &mut scores);
+            assert_eq!(scores, [value.signum() as i16 * 360 * i16::from(LIMIT); 360]);
+        }
+    }
+
+    #[test]
+    fn headings_turn_counter_clockwise() {
+        // A window straight ahead of a robot that looks along 30 degrees.
+        let mut table = Box::new(Table::EMPTY);
+        let mut scan = Scan { steps: [100; BINS], hit: [Hit::Wall; BINS] };
+        table.set(plane_of(100, Hit::Window), 0, 80);
+        scan.hit[30] = Hit::Window;
+        let mut rows = Box::new(Rows::<360>::BLANK);
+        rows.set(&table);
+        let mut scores = [0; 360];
+        rows.scores(&Rows::planes(&scan), &mut scores);
+        let expected = core::array::from_fn(|heading| if heading == 30 { 80 } else { 0 });
+        assert_eq!(scores, expected, "elsewhere nothing is known");
+    }
+}

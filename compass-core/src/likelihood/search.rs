@@ -1,0 +1,182 @@
+//! All candidates of all layers at all headings, and the best of them that lie apart.
+
+use super::rows::Rows;
+use crate::num::{BINS, Metres, Point, Turn};
+use crate::plan::Plan;
+use crate::scan::Scan;
+use crate::site_map::SiteMap;
+use core::cmp::Reverse;
+
+/// A candidate's second heading is at least this many degrees from its best.
+const SECOND_DEGREES: usize = 20;
+/// Modes of a sheet are at least this far apart...
+const APART: Metres = Metres::from_bits(3 << 30);
+/// ...or this much.
+const APART_TURN: Turn = Turn::from_ratio(15, 360);
+
+/// One layer of one floor: its candidates and the plan they were cast from.
+#[derive(Debug, Clone, Copy)]
+pub struct Sheet<'a> {
+    /// The candidates.
+    pub map: SiteMap<'a>,
+    /// Which of their layers.
+    pub layer: u8,
+    /// The plan of that layer.
+    pub plan: Plan<'a>,
+    /// The floor: layers of one floor share their coordinates.
+    pub floor: u8,
+}
+
+impl Sheet<'_> {
+    /// The planes of a candidate.
+    fn planes<const N: usize>(&self, candidate: usize) -> Option<[u8; N]> {
+        let mut scan = Scan::BLANK;
+        self.map.get(candidate)?.scan(&mut scan);
+        Some(Rows::planes(&scan))
+    }
+}
+
+/// A pose and how well it explains what was seen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Mode {
+    /// Number of the sheet.
+    pub sheet: u8,
+    /// Position.
+    pub at: Point,
+    /// Direction of bin 0.
+    pub heading: Turn,
+    /// Log-likelihood ratio against "nothing known" in 1/16 nat, of 360 bins.
+    pub score: i32,
+}
+
+impl Mode {
+    /// A place-holder below every score.
+    pub const NONE: Self =
+        Self { sheet: 0, at: Point::new(Metres::ZERO, Metres::ZERO), heading: Turn::ZERO, score: i32::MIN };
+
+    /// Higher score first; equal ones by sheet, row, column and heading.
+    pub(super) fn order(&self) -> impl Ord + use<> {
+        (Reverse(self.score), self.sheet, self.at.y, self.at.x, self.heading)
+    }
+
+    /// Whether the other lies within a distance and at less than an angle.
+    pub(super) fn is_near(&self, other: &Self, distance: Metres, turn: Turn) -> bool {
+        self.heading.distance(other.heading) < turn && self.at.within(other.at, distance)
+    }
+}
+
+/// Scores the candidates of all sheets at N headings. Each offers its best heading, and its best one at
+/// least 20 degrees from that; `pool` keeps the best offers and then those of them that lie apart:
+/// 0.75 m or 15 degrees within a sheet. Returns how many modes `pool` begins with, best first.
+///
+/// `among` tells by sheet and number which candidates to look at: `|_, _| true` for all. Of sheets only
+/// the first 256 are searched.
+///
+/// # Cost
+/// N times twice the number of runs of equal planes per candidate: about 107 at N = 360 and 61 at
+/// N = 90 on an office floor.
+#[inline]
+pub fn search<const N: usize>(
+    rows: &Rows<N>,
+    sheets: &[Sheet<'_>],
+    among: impl Fn(u8, usize) -> bool,
+    pool: &mut [Mode],
+) -> usize {
+    let mut pool = Pool { slots: pool, used: 0 };
+    let mut scores = [0; N];
+    for (number, sheet) in (0..=u8::MAX).zip(sheets) {
+        for candidate in (0..sheet.map.len()).filter(|&candidate| among(number, candidate)) {
+            let Some(planes) = sheet.planes(candidate) else { continue };
+            rows.scores(&planes, &mut scores);
+            if pool.is_worth(Rows::<N>::of_360(top(&scores)))
+                && let Some(at) = sheet.map.position(candidate)
+            {
+                for (heading, score) in peaks(&scores) {
+                    let heading = Turn::from_ratio(heading as i64, N as u32);
+                    pool.offer(Mode { sheet: number, at, heading, score: Rows::<N>::of_360(score) });
+                }
+            }
+        }
+    }
+    pool.thin()
+}
+
+fn top(scores: &[i16]) -> i16 {
+    scores.iter().fold(i16::MIN, |top, &score| top.max(score))
+}
+
+/// The best heading and the best one far from it, with their scores; of equal ones the first.
+fn peaks<const N: usize>(scores: &[i16; N]) -> impl Iterator<Item = (usize, i16)> {
+    let first = best(scores.iter().copied().enumerate());
+    let is_far = move |heading: usize| {
+        let turn = heading.abs_diff(first.0);
+        turn.min(N.saturating_sub(turn)) * BINS >= SECOND_DEGREES * N
+    };
+    let second = best(scores.iter().copied().enumerate().filter(|&(heading, _)| is_far(heading)));
+    [first, second].into_iter().filter(|peak| peak.1 > i16::MIN)
+}
+
+fn best(scores: impl Iterator<Item = (usize, i16)>) -> (usize, i16) {
+    scores.fold((0, i16::MIN), |best, here| if here.1 > best.1 { here } else { best })
+}
+
+/// The best offers so far; when full a heap whose first is the worst.
+struct Pool<'a> {
+    slots: &'a mut [Mode],
+    used: usize,
+}
+
+impl Pool<'_> {
+    /// Whether an offer of this score could be kept.
+    fn is_worth(&self, score: i32) -> bool {
+        self.used < self.slots.len() || self.slots.first().is_some_and(|worst| score >= worst.score)
+    }
+
+    fn offer(&mut self, mode: Mode) {
+        if let Some(slot) = self.slots.get_mut(self.used) {
+            *slot = mode;
+            self.used += 1;
+            if self.used == self.slots.len() {
+                // Sorted, worst first, is a heap.
+                self.slots.sort_unstable_by_key(|mode| Reverse(mode.order()));
+            }
+        } else if let Some(worst) = self.slots.first_mut()
+            && mode.order() < worst.order()
+        {
+            *worst = mode;
+            self.sink();
+        }
+    }
+
+    /// Moves the first down to where no worse one is below it.
+    fn sink(&mut self) {
+        let mut at = 0;
+        loop {
+            let order = |slot: usize| self.slots.get(slot).map(Mode::order);
+            // None, beyond the end, is less than any.
+            let worse = if order(2 * at + 2) > order(2 * at + 1) { 2 * at + 2 } else { 2 * at + 1 };
+            if order(worse) <= order(at) {
+                return;
+            }
+            self.slots.swap(at, worse);
+            at = worse;
+        }
+    }
+
+    /// Moves those that lie apart to the front, best first, and returns their number.
+    fn thin(self) -> usize {
+        let modes = self.slots.get_mut(..self.used).unwrap_or_default();
+        modes.sort_unstable_by_key(Mode::order);
+        let mut kept = 0;
+        for next in 0..modes.len() {
+            let (Some(before), Some(mode)) = (modes.get(..kept), modes.get(next)) else { break };
+            let is_near = |other: &Mode| other.sheet == mode.sheet && mode.is_near(other, APART, APART_TURN);
+            if !before.iter().any(is_near) {
+                modes.swap(kept, next);
+                kept += 1;
+            }
+        }
+        kept
+    }
+}

@@ -1,0 +1,258 @@
+//! What was seen, as log-likelihood ratios of what the plan could have there.
+
+use crate::num::BINS;
+use crate::scan::{Hit, MAX_STEPS, STEP_MM};
+
+/// Rungs of range: 0.4 m to 30 m in equal ratios of 6.3 %.
+pub const RANGES: usize = 72;
+/// Planes of a table: walls by rung, then windows by rung, then open.
+pub const PLANES: usize = 2 * RANGES + 1;
+/// The plane of "nothing within 30 m".
+pub const OPEN_PLANE: u8 = 2 * RANGES as u8;
+/// Largest magnitude of a value: 5.5 nat. 360 of them fit 16 bits.
+pub const LIMIT: i8 = 88;
+
+/// March steps of rung 0.
+const NEAREST: u32 = 400 / STEP_MM;
+/// Fractional bits of a position between rungs.
+const FRACTION_BITS: u32 = 8;
+
+/// Ranges of the rungs in millimetres, rounded to the nearest: rung k lies at 0.4 m x 75^(k / 71).
+pub static RUNG_MM: [u16; RANGES] = {
+    let mut rungs = [0; RANGES];
+    let mut rung = 0;
+    while rung < RANGES {
+        // The first range whose upper half millimetre lies beyond the rung.
+        let (mut below, mut beyond) = (NEAREST * STEP_MM - 1, MAX_STEPS as u32 * STEP_MM);
+        while beyond - below > 1 {
+            let mm = below.midpoint(beyond);
+            let half_up = position(2 * mm + 1, 2 * NEAREST * STEP_MM, 16);
+            *(if half_up > (rung as u64) << 16 { &mut beyond } else { &mut below }) = mm;
+        }
+        rungs[rung] = beyond as u16;
+        rung += 1;
+    }
+    rungs
+};
+
+/// Position among the rungs by march steps, Q8.
+static POSITIONS: [u16; MAX_STEPS as usize + 1] = {
+    let mut positions = [0; MAX_STEPS as usize + 1];
+    let mut steps = NEAREST;
+    while steps <= MAX_STEPS as u32 {
+        positions[steps as usize] = position(steps, NEAREST, FRACTION_BITS) as u16;
+        steps += 1;
+    }
+    positions
+};
+
+/// `71 log(range / nearest) / log(75)` with these fractional bits, rounded to the nearest.
+const fn position(range: u32, nearest: u32, bits: u32) -> u64 {
+    const WHOLE: u128 = log2(75) as u128;
+    let part = (log2(range) - log2(nearest)) as u128 * (RANGES as u128 - 1);
+    (((part << bits) + WHOLE / 2) / WHOLE) as u64
+}
+
+/// Binary logarithm, Q32, within 2^-23; of zero it is 0.
+const fn log2(value: u32) -> u64 {
+    if value == 0 {
+        return 0;
+    }
+    let exponent = value.ilog2();
+    let mut mantissa = (value as u64) << (31 - exponent);
+    let mut log = (exponent as u64) << 32;
+    let mut bit = 31;
+    while bit >= 8 {
+        mantissa = (mantissa * mantissa) >> 31;
+        if mantissa >> 32 != 0 {
+            mantissa >>= 1;
+            log |= 1 << bit;
+        }
+        bit -= 1;
+    }
+    log
+}
+
+/// Log-likelihood ratios against "nothing known", in 1/16 nat: 52,200 bytes.
+///
+/// Bin j looks along heading + j degrees, counter-clockwise. A column of zeros is a direction of which
+/// nothing is known: it neither helps nor hurts.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Table {
+    values: [[i8; BINS]; PLANES],
+}
+
+impl Table {
+    /// Nothing known anywhere.
+    pub const EMPTY: Self = Self { values: [[0; BINS]; PLANES] };
+
+    /// All directions of one plane; `None` from [`PLANES`] on.
+    #[must_use]
+    pub fn plane(&self, plane: u8) -> Option<&[i8; BINS]> {
+        self.values.get(usize::from(plane))
+    }
+
+    /// One value; 0 outside the table.
+    #[must_use]
+    pub fn get(&self, plane: u8, bin: usize) -> i8 {
+        self.plane(plane).and_then(|row| row.get(bin)).copied().unwrap_or(0)
+    }
+
+    /// Writes one value, clipped to +-[`LIMIT`]; outside the table nothing happens.
+    pub fn set(&mut self, plane: u8, bin: usize, value: i32) {
+        if let Some(slot) = self.values.get_mut(usize::from(plane)).and_then(|row| row.get_mut(bin)) {
+            *slot = value.clamp(-i32::from(LIMIT), i32::from(LIMIT)) as i8;
+        }
+    }
+
+    /// All planes of one direction.
+    #[must_use]
+    pub fn column(&self, bin: usize) -> [i8; PLANES] {
+        self.values.each_ref().map(|row| row.get(bin).copied().unwrap_or(0))
+    }
+
+    /// Writes all planes of one direction, clipped to +-[`LIMIT`]; of no direction nothing is written.
+    pub fn set_column(&mut self, bin: usize, column: &[i8; PLANES]) {
+        for (row, &value) in self.values.iter_mut().zip(column) {
+            if let Some(slot) = row.get_mut(bin) {
+                *slot = value.clamp(-LIMIT, LIMIT);
+            }
+        }
+    }
+
+    /// The value in a direction at a range between two rungs, linear in the logarithm of the range, in
+    /// 1/4096 nat. Ranges below rung 0 count as rung 0.
+    #[must_use]
+    pub fn at(&self, steps: u16, hit: Hit, bin: usize) -> i32 {
+        self.between(steps, hit).at(bin)
+    }
+
+    /// The two rows around a range.
+    pub(super) fn between(&self, steps: u16, hit: Hit) -> Between<'_> {
+        let position = position_of(steps);
+        let rung = usize::from(position >> FRACTION_BITS);
+        let (first, last) = match hit {
+            Hit::Wall => (rung, RANGES - 1),
+            Hit::Window => (RANGES + rung, 2 * RANGES - 1),
+            Hit::Open => (2 * RANGES, 2 * RANGES),
+        };
+        let row = |plane: usize| self.values.get(plane.min(last)).unwrap_or(&[0; BINS]);
+        Between {
+            rows: [row(first), row(first + 1)],
+            fraction: i32::from(position & ((1 << FRACTION_BITS) - 1)),
+        }
+    }
+}
+
+impl Default for Table {
+    fn default() -> Self {
+        Self::EMPTY
+    }
+}
+
+/// Two neighbouring rows of a table and where between them a range lies.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Between<'a> {
+    rows: [&'a [i8; BINS]; 2],
+    /// In 1/256 of the way to the second.
+    fraction: i32,
+}
+
+impl Between<'_> {
+    /// The value in a direction, 1/4096 nat; 0 in none.
+    #[inline]
+    pub(super) fn at(&self, bin: usize) -> i32 {
+        let [near, far] = self.rows.map(|row| row.get(bin).map_or(0, |&value| i32::from(value)));
+        (near << FRACTION_BITS) + (far - near) * self.fraction
+    }
+}
+
+/// Position among the rungs, Q8, of 0..=71; ranges beyond 30 m count as 30 m.
+const fn position_of(steps: u16) -> u16 {
+    POSITIONS[if steps < MAX_STEPS { steps } else { MAX_STEPS } as usize]
+}
+
+/// The plane of what a ray met: the nearest rung in the logarithm of the range, rung 0 below 0.4 m.
+#[must_use]
+pub const fn plane_of(steps: u16, hit: Hit) -> u8 {
+    let rung = ((position_of(steps) + (1 << (FRACTION_BITS - 1))) >> FRACTION_BITS) as u8;
+    match hit {
+        Hit::Wall => rung,
+        Hit::Window => RANGES as u8 + rung,
+        Hit::Open => OPEN_PLANE,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Where a range in metres lies among the rungs.
+    fn exact(metres: f64) -> f64 {
+        71.0 * (metres / 0.4).ln() / 75f64.ln()
+    }
+
+    #[test]
+    fn rungs_are_in_equal_ratios() {
+        for (k, &mm) in RUNG_MM.iter().enumerate() {
+            let expected = 400.0 * 75f64.powf(k as f64 / 71.0);
+            assert!((f64::from(mm) - expected).abs() <= 0.5001, "rung {k}: {mm} mm, not {expected}");
+        }
+        assert_eq!((RUNG_MM[0], RUNG_MM[71]), (400, 30_000));
+    }
+
+    #[test]
+    fn a_range_goes_to_the_nearest_rung() {
+        let mut before = 0;
+        for steps in 0..=MAX_STEPS {
+            let plane = plane_of(steps, Hit::Wall);
+            assert!(plane >= before, "monotone");
+            before = plane;
+            let off = f64::from(plane) - exact(f64::from(steps.max(20)) * 0.02);
+            assert!(off.abs() <= 0.5 + 1.0 / 256.0, "{steps} steps: {off} rungs off");
+            assert_eq!(plane_of(steps, Hit::Window), plane + RANGES as u8);
+            assert_eq!(plane_of(steps, Hit::Open), OPEN_PLANE);
+        }
+        assert_eq!(
+            (plane_of(1, Hit::Wall), plane_of(1500, Hit::Wall), plane_of(u16::MAX, Hit::Wall)),
+            (0, 71, 71)
+        );
+    }
+
+    #[test]
+    fn between_rungs_values_are_linear() {
+        let mut table = Table::EMPTY;
+        for rung in 0..RANGES as u8 {
+            table.set(rung, 7, i32::from(rung));
+            table.set(RANGES as u8 + rung, 7, -i32::from(rung));
+        }
+        table.set(OPEN_PLANE, 7, 50);
+        for steps in 1..=MAX_STEPS {
+            let expected = exact(f64::from(steps.max(20)) * 0.02);
+            let got = f64::from(table.at(steps, Hit::Wall, 7)) / 256.0;
+            assert!((got - expected).abs() < 0.0021, "{steps} steps: {got}, not {expected}");
+            assert_eq!(table.at(steps, Hit::Window, 7), -table.at(steps, Hit::Wall, 7));
+            assert_eq!(table.at(steps, Hit::Open, 7), 50 * 256);
+            assert_eq!(table.at(steps, Hit::Wall, 8), 0);
+        }
+        assert_eq!(table.at(100, Hit::Wall, BINS), 0);
+    }
+
+    #[test]
+    fn values_are_clipped_and_outside_is_harmless() {
+        let mut table = Table::EMPTY;
+        table.set(3, 4, 1000);
+        table.set(3, 5, -1000);
+        table.set(PLANES as u8, 0, 5);
+        table.set(0, BINS, 5);
+        table.set_column(BINS, &[5; PLANES]);
+        assert_eq!((table.get(3, 4), table.get(3, 5), table.get(255, 0)), (LIMIT, -LIMIT, 0));
+        table.set(3, 4, 0);
+        table.set(3, 5, 0);
+        assert_eq!(table, Table::EMPTY);
+        let column = core::array::from_fn(|plane| (plane % 256) as u8 as i8);
+        table.set_column(9, &column);
+        assert_eq!(table.column(9), column.map(|v| v.clamp(-LIMIT, LIMIT)));
+        assert!(table.plane(OPEN_PLANE).is_some() && table.plane(PLANES as u8).is_none());
+    }
+}
