@@ -38,18 +38,21 @@
 extern crate std;
 
 pub mod attitude;
+pub mod boundary;
 pub mod camera;
 pub mod descriptor;
 #[cfg(feature = "draw")]
 pub mod draw;
 mod harmonics;
 pub mod likelihood;
+pub mod locate;
 pub mod matching;
 pub mod num;
 pub mod plan;
 pub mod raster;
 pub mod scan;
 pub mod segments;
+pub mod sight;
 pub mod signature;
 pub mod similarity;
 pub mod site;

@@ -2,6 +2,7 @@
 
 use crate::frame::{Frame, MAX_SEGMENTS, SegmentDetector};
 use compass_core::attitude::{self, Arc, Hint, LEAST_INLIERS, Vertical};
+use compass_core::boundary::{self, Ranges, Surveyor};
 use compass_core::camera::{Bearing, Rig, View};
 use compass_core::raster::{BitMask, RgbImage};
 use compass_core::segments::{Detected, Parameters, Segment, SegmentsError};
@@ -82,6 +83,8 @@ pub struct Eyes {
     uprights: Vec<Upright>,
     boxes: Vec<WindowBox>,
     windows: Vec<Window>,
+    boundary: [Vec<u8>; 2],
+    ranges: Box<Ranges>,
     /// How many uprights and boxes the last pair of frames left in the buffers.
     considered: [usize; 2],
 }
@@ -115,6 +118,8 @@ impl Eyes {
             uprights: vec![Upright::default(); 4 * MAX_UPRIGHTS],
             boxes: vec![WindowBox::default(); 4 * MAX_BOXES],
             windows: vec![Window::default(); MAX_WINDOWS],
+            boundary: [(); 2].map(|()| vec![0; boundary::CELLS]),
+            ranges: Box::new(Ranges::EMPTY),
             considered: [0; 2],
         }
     }
@@ -173,14 +178,35 @@ impl Eyes {
             let Some((eye, frame)) = eye.as_ref().zip(frame) else { continue };
             let smoothed = level::wants_smoothed(&eye.view, self.resolution);
             let image = if smoothed { eye.detector.smoothed(&frame.gray()) } else { frame.gray() };
-            let red = frame.rgb().and_then(|rgb| RgbImage::new(rgb, frame.width(), frame.height()).ok());
-            let red = red.map_or(Red::Unknown, Red::Colours);
-            finder.add(camera, &image, red, eye.detector.segments(&eye.detected));
+            finder.add(camera, &image, red(frame), eye.detector.segments(&eye.detected));
         }
         let sighting = finder.finish(&mut self.windows);
         self.considered = [sighting.uprights, sighting.boxes];
         let windows = &self.windows[..sighting.count];
         Ok(Seen { sighting, windows, level })
+    }
+
+    /// Measures how far the walls are in frames whose segments were just detected; the height of cam0 above the floor, in
+    /// metres, helps where it is known.
+    ///
+    /// # Errors
+    /// [`EyesError::Up`].
+    pub fn ranges(
+        &mut self,
+        frames: [Option<&Frame>; 2],
+        up: &Bearing,
+        height_m: Option<f32>,
+    ) -> Result<&Ranges, EyesError> {
+        let level = Level::new(up).ok_or(EyesError::Up)?;
+        let [edges, support] = &mut self.boundary;
+        let buffers = boundary::Buffers { edges, support };
+        let mut surveyor = Surveyor::new(buffers, &self.rig, level).ok_or(EyesError::Up)?;
+        for (camera, (eye, frame)) in self.eyes.iter().zip(frames).enumerate() {
+            let Some((eye, frame)) = eye.as_ref().zip(frame) else { continue };
+            surveyor.add(camera, &eye.detector.smoothed(&frame.gray()), red(frame));
+        }
+        surveyor.finish(height_m, &mut self.ranges);
+        Ok(&self.ranges)
     }
 
     /// Finds which way is up from the segments just detected, near the vertical of cam0's image.
@@ -266,6 +292,12 @@ impl Eye {
             detected: Detected { count: 0, truncated: false },
         }
     }
+}
+
+/// Where a frame is red, if it has colours.
+fn red(frame: &Frame) -> Red<'_> {
+    let image = frame.rgb().and_then(|rgb| RgbImage::new(rgb, frame.width(), frame.height()).ok());
+    image.map_or(Red::Unknown, Red::Colours)
 }
 
 /// The pixels of a view within [`FIELD`] of its axis, [`RIM_PX`] left out: one bit each, as [`BitMask`] has them.

@@ -12,6 +12,7 @@ pub mod frame;
 pub mod image_file;
 pub mod interior;
 pub mod localizer;
+pub mod locator;
 pub mod noise;
 pub mod output;
 pub mod paper_finder;

@@ -31,7 +31,7 @@ impl Sheet<'_> {
     /// The planes of a candidate.
     fn planes<const N: usize>(&self, candidate: usize) -> Option<[u8; N]> {
         let mut scan = Scan::BLANK;
-        self.map.get(candidate)?.scan(&mut scan);
+        self.map.get(candidate)?.layer(usize::from(self.layer))?.scan(&mut scan);
         Some(Rows::planes(&scan))
     }
 }

@@ -105,6 +105,14 @@ impl Table {
         }
     }
 
+    /// Writes one plane, clipped to +-[`LIMIT`]; outside the table nothing happens.
+    pub fn set_plane(&mut self, plane: u8, values: &[i32; BINS]) {
+        let Some(row) = self.values.get_mut(usize::from(plane)) else { return };
+        for (slot, value) in row.iter_mut().zip(values) {
+            *slot = (*value).clamp(-i32::from(LIMIT), i32::from(LIMIT)) as i8;
+        }
+    }
+
     /// All planes of one direction.
     #[must_use]
     pub fn column(&self, bin: usize) -> [i8; PLANES] {

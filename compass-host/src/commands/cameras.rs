@@ -5,6 +5,7 @@ use crate::calibration::Calibration;
 use crate::eyes::{Eyes, Mount};
 use crate::frame::Frame;
 use anyhow::{Result, bail};
+use compass_core::boundary::HEIGHTS_M;
 use compass_core::camera::Bearing;
 use std::path::PathBuf;
 
@@ -13,7 +14,7 @@ use std::path::PathBuf;
 pub(super) struct CameraArgs {
     /// Camera calibration: a Kalibr camera-imu chain .yaml
     #[arg(long, value_name = "FILE")]
-    calib: PathBuf,
+    calib: Option<PathBuf>,
     /// Frame of cam0
     #[arg(long, value_name = "IMAGE")]
     cam0: Option<PathBuf>,
@@ -22,6 +23,9 @@ pub(super) struct CameraArgs {
     cam1: Option<PathBuf>,
     #[command(flatten)]
     up: UpArg,
+    /// Height of cam0 above the floor in metres [default: estimated]
+    #[arg(long, value_name = "M", value_parser = height, allow_hyphen_values = true)]
+    camera_height: Option<f32>,
 }
 
 /// The up vector, if it is given.
@@ -59,24 +63,41 @@ pub(super) struct Cameras {
     pub(super) frames: [Option<Frame>; 2],
     pub(super) eyes: Eyes,
     pub(super) up: UpArg,
+    /// Height of cam0 above the floor in metres, where it is known.
+    pub(super) height_m: Option<f32>,
     /// The files of the frames, for messages.
     pub(super) name: String,
 }
 
 impl CameraArgs {
+    /// Whether any of its files is named.
+    pub(super) fn is_given(&self) -> bool {
+        [&self.calib, &self.cam0, &self.cam1].iter().any(|path| path.is_some())
+    }
+
     /// Reads the calibration and the frames.
     pub(super) fn load(&self) -> Result<Cameras> {
         let paths = [&self.cam0, &self.cam1];
         if paths.iter().all(|path| path.is_none()) {
             bail!("no frame: name one with --cam0 IMAGE, --cam1 IMAGE or both");
         }
-        let calibration = Calibration::load(&self.calib)?;
+        let Some(calib) = &self.calib else { bail!("no calibration: name one with --calib FILE") };
+        let calibration = Calibration::load(calib)?;
         let [cam0, cam1] = paths.map(|path| path.as_ref().map(|path| Frame::read(path)).transpose());
         let frames = [cam0?, cam1?];
         let rig = calibration.rig(frames.each_ref().map(|f| f.as_ref().map(|f| (f.width(), f.height()))))?;
         let files: Vec<_> = paths.into_iter().flatten().map(|path| path.display().to_string()).collect();
-        Ok(Cameras { frames, eyes: Eyes::new(rig), up: self.up.clone(), name: files.join(", ") })
+        let (up, height_m) = (self.up.clone(), self.camera_height);
+        Ok(Cameras { frames, eyes: Eyes::new(rig), up, height_m, name: files.join(", ") })
     }
+}
+
+/// A height of the camera within what can be told apart.
+fn height(text: &str) -> Result<f32, String> {
+    let [least, most] = HEIGHTS_M;
+    let metres = finite(text)? as f32;
+    let good = (least..=most).contains(&metres);
+    if good { Ok(metres) } else { Err(format!("expected {least} to {most} metres")) }
 }
 
 /// Three finite numbers that are not all zero, `X,Y,Z`.

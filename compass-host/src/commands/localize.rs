@@ -1,6 +1,7 @@
-//! `compass localize`: floor, position and heading on a site.
+//! `compass localize`: floor, position and heading on a site, from frames or from a plan.
 
 use super::Outcome;
+use super::cameras::CameraArgs;
 use super::plan::{Reading, finite, pair};
 use crate::localizer::{MatchOptions, SiteAnswer, SiteLocalizer};
 use crate::noise::disturb;
@@ -13,25 +14,38 @@ use compass_core::site_map::SiteMap;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
+
+mod sighted;
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Localize {
     /// The site file, or a plain site map
     #[arg(long, value_name = "FILE")]
     map: PathBuf,
+    #[command(flatten)]
+    cameras: CameraArgs,
+    #[command(flatten)]
+    query: PlanQuery,
+    /// True position in metres: the errors of the answer are reported; with --from-plan that of the query
+    #[arg(long, value_name = "X,Y", value_parser = pair, allow_hyphen_values = true, requires = "heading")]
+    at: Option<[f64; 2]>,
+    /// True heading in degrees
+    #[arg(long, value_name = "DEG", value_parser = finite, allow_hyphen_values = true, requires = "at")]
+    heading: Option<f64>,
+    #[command(flatten)]
+    json: JsonOption,
+}
+
+/// A query that is cast from a plan.
+#[derive(Debug, Clone, clap::Args)]
+struct PlanQuery {
     /// Cast the query from this plan instead of seeing it
-    #[arg(long, value_name = "PLAN", required = true)]
+    #[arg(long, value_name = "PLAN", conflicts_with_all = ["calib", "cam0", "cam1"], requires = "at")]
     from_plan: Option<PathBuf>,
     #[command(flatten)]
     reading: Reading,
-    /// True position of the query in metres
-    #[arg(long, value_name = "X,Y", value_parser = pair, allow_hyphen_values = true)]
-    at: [f64; 2],
-    /// True heading of the query in degrees
-    #[arg(long, value_name = "DEG", value_parser = finite, allow_hyphen_values = true)]
-    heading: f64,
     /// Disturb the query: at level 1, 3 % of range noise, 5 % of hit types mistaken, two occluders
     #[arg(long, value_name = "LEVEL", default_value_t = 0.0, value_parser = level, allow_hyphen_values = true)]
     noise: f64,
@@ -40,8 +54,6 @@ pub(super) struct Localize {
     seed: u64,
     #[command(flatten)]
     matching: Matching,
-    #[command(flatten)]
-    json: JsonOption,
 }
 
 /// How to match.
@@ -147,19 +159,30 @@ struct Output<'a> {
 
 impl Localize {
     pub(super) fn run(&self) -> Result<Outcome> {
-        let Some(plan_path) = &self.from_plan else { bail!("no query: name a plan with --from-plan") };
+        let truth = self.at.zip(self.heading);
+        match (&self.query.from_plan, truth) {
+            (Some(plan), Some(truth)) => self.from_plan(plan, truth),
+            (Some(_), None) => bail!("no pose on the plan: give --at X,Y and --heading DEG"),
+            (None, _) if self.cameras.is_given() => sighted::run(&self.map, &self.cameras, truth, &self.json),
+            (None, _) => {
+                bail!("no query: give --calib with --cam0, --cam1 or both, or a plan with --from-plan")
+            }
+        }
+    }
+
+    fn from_plan(&self, plan_path: &Path, (at, heading): ([f64; 2], f64)) -> Result<Outcome> {
         let mut clock = Clock::default();
         let file = SiteFile::read(&self.map)?;
         let storeys = file.storeys();
         clock.stage("read_map");
-        let (_, plan) = self.reading.load(plan_path)?;
+        let (_, plan) = self.query.reading.load(plan_path)?;
         clock.stage("read_plan");
-        let mut scan = plan.scan(self.at, self.heading).with_context(|| plan_path.display().to_string())?;
-        disturb(&mut scan, self.noise, self.seed);
+        let mut scan = plan.scan(at, heading).with_context(|| plan_path.display().to_string())?;
+        disturb(&mut scan, self.query.noise, self.query.seed);
         clock.stage("cast");
         let mut localizer = SiteLocalizer::new(storeys.iter().map(|storey| storey.map));
         clock.stage("index");
-        let answer = localizer.locate(&scan, &self.matching.options())?;
+        let answer = localizer.locate(&scan, &self.query.matching.options())?;
         clock.stage("search");
         let poses = poses(&answer, &storeys);
         // A score of 0 says nothing: no candidate resembles the query, or the query has no contrast.
@@ -167,8 +190,8 @@ impl Localize {
             self.json.emit(&serde_json::json!({ "candidates": [] }), "no pose found\n")?;
             return Ok(Outcome::No);
         };
-        let summary = self.summary(&poses, &answer, &clock);
-        let (position_error, heading_error) = best.error(self.at, self.heading);
+        let summary = summary(&poses, &answer, &clock, (at, heading));
+        let (position_error, heading_error) = best.error(at, heading);
         let output = Output {
             floor: best.floor,
             x: best.x,
@@ -187,28 +210,27 @@ impl Localize {
         self.json.emit(&output, &summary)?;
         Ok(Outcome::Done)
     }
+}
 
-    fn summary(&self, poses: &[Pose<'_>], answer: &SiteAnswer, clock: &Clock) -> String {
-        let mut text = String::new();
-        for (rank, pose) in poses.iter().enumerate() {
-            let (metres, degrees) = pose.error(self.at, self.heading);
-            let floor = pose.floor.map_or_else(String::new, |name| format!("{name}  "));
-            let _ = writeln!(
-                text,
-                "{:>2}. {floor}x {:8.3} m  y {:8.3} m  heading {:5.1}  score {:.4}  ({metres:.2} m, {degrees:.1} degrees off)",
-                rank + 1,
-                pose.x.0,
-                pose.y.0,
-                pose.heading_deg.0,
-                pose.score.0,
-            );
-        }
-        let margin: f64 = answer.margin().to_num();
-        let search = clock.stages.get("search").map_or(0.0, |d| d.0);
-        let _ =
-            writeln!(text, "margin {margin:.4}, {} candidates scored, search {search:.1} ms", answer.scored);
-        text
+fn summary(poses: &[Pose<'_>], answer: &SiteAnswer, clock: &Clock, (at, heading): ([f64; 2], f64)) -> String {
+    let mut text = String::new();
+    for (rank, pose) in poses.iter().enumerate() {
+        let (metres, degrees) = pose.error(at, heading);
+        let floor = pose.floor.map_or_else(String::new, |name| format!("{name}  "));
+        let _ = writeln!(
+            text,
+            "{:>2}. {floor}x {:8.3} m  y {:8.3} m  heading {:5.1}  score {:.4}  ({metres:.2} m, {degrees:.1} degrees off)",
+            rank + 1,
+            pose.x.0,
+            pose.y.0,
+            pose.heading_deg.0,
+            pose.score.0,
+        );
     }
+    let margin: f64 = answer.margin().to_num();
+    let search = clock.stages.get("search").map_or(0.0, |d| d.0);
+    let _ = writeln!(text, "margin {margin:.4}, {} candidates scored, search {search:.1} ms", answer.scored);
+    text
 }
 
 /// Milliseconds by stage.

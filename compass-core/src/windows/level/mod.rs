@@ -16,6 +16,7 @@ pub use boxes::WindowBox;
 pub use choose::Column;
 pub use edges::{Edge, Upright};
 pub use ring::{BOTTOM_DEG, Level, NOMINAL_RANGE_M, Red, Resolution, TOP_DEG};
+pub(crate) use ring::{Node, Projector, SUBPIXEL, look};
 
 use crate::camera::{Pixel, Rig};
 use crate::num::BINS;

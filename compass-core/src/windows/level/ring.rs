@@ -22,7 +22,7 @@ const GRID_DEG: usize = 2;
 /// Rows of that grid, both borders included.
 const GRID_ROWS: usize = ((TOP_DEG - BOTTOM_DEG) as usize).div_ceil(GRID_DEG) + 1;
 /// Fraction bits of a position in the image.
-const SUBPIXEL: u32 = 8;
+pub(crate) const SUBPIXEL: u32 = 8;
 
 /// Size of a ring's cells: their number in a degree, 1 to 4.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -142,7 +142,7 @@ impl Red<'_> {
 }
 
 /// Where bearings of the level frame fall in one camera's image.
-struct Projector<'a> {
+pub(crate) struct Projector<'a> {
     view: &'a View,
     rival: Option<&'a View>,
     level: Level,
@@ -151,16 +151,21 @@ struct Projector<'a> {
 /// A point of the projection grid: position in 1/256 px, and how much nearer to this camera's axis than to the
 /// other's it is (cosines times 2^14).
 #[derive(Clone, Copy, Default)]
-struct Node {
-    x: i32,
-    y: i32,
-    lead: i32,
-    usable: bool,
+pub(crate) struct Node {
+    pub(crate) x: i32,
+    pub(crate) y: i32,
+    pub(crate) lead: i32,
+    pub(crate) usable: bool,
 }
 
-impl Projector<'_> {
+impl<'a> Projector<'a> {
+    /// For one camera of a rig; `None` if it has no such camera.
+    pub(crate) fn new(rig: &'a Rig, camera: usize, level: Level) -> Option<Self> {
+        Some(Self { view: rig.view(camera)?, rival: rig.view(1 - camera.min(1)), level })
+    }
+
     /// From sine and cosine of azimuth and elevation.
-    fn node(&self, azimuth: (f32, f32), elevation: (f32, f32)) -> Node {
+    pub(crate) fn node(&self, azimuth: (f32, f32), elevation: (f32, f32)) -> Node {
         let bearing = self.level.bearing_of(azimuth, elevation);
         let seen_from = |view: &View| -> Bearing {
             let b = view.rotation.tr_mul(&(bearing * NOMINAL_RANGE_M - view.position));
@@ -194,8 +199,7 @@ pub(super) fn draw(
     level: Level,
     (image, red): (&GrayImage<'_>, Red<'_>),
 ) {
-    let Some(view) = rig.view(camera) else { return };
-    let projector = Projector { view, rival: rig.view(1 - camera.min(1)), level };
+    let Some(projector) = Projector::new(rig, camera, level) else { return };
     let radians = |deg: i32| deg as f32 * (core::f32::consts::PI / 180.0);
     let elevations: [_; GRID_ROWS] =
         core::array::from_fn(|row| libm::sincosf(radians(TOP_DEG - (row * GRID_DEG) as i32)));
@@ -251,7 +255,7 @@ fn draw_patch(
 
 /// The gray level at a position, 1 to 255; 0 within a pixel of the image's border, outside it, or on red.
 #[inline(always)]
-fn look(image: &GrayImage<'_>, red: Red<'_>, x: i32, y: i32) -> u8 {
+pub(crate) fn look(image: &GrayImage<'_>, red: Red<'_>, x: i32, y: i32) -> u8 {
     let (column, row) = (x >> SUBPIXEL, y >> SUBPIXEL);
     let width = image.width() as usize;
     if column < 1 || row < 1 || column + 2 >= width as i32 || row + 2 >= image.height() as i32 {

@@ -1,0 +1,87 @@
+//! Edges made relative to the frame, and supported by their neighbours.
+//!
+//! A boundary goes on: along a wall its rung changes by no more than a step or so per degree. An edge counts by itself,
+//! and by the strongest edges within reach in the three bins on either side.
+
+use super::{BINS, RUNGS};
+
+/// Edges are measured against the one that so many percent of the frame do not exceed...
+const PERCENT: u32 = 90;
+/// ... and that is at least this strong: below is noise.
+const LEAST_SCALE: u32 = 3;
+/// Units of normalized edges in a nat.
+const EDGE_UNIT: f32 = 32.0;
+/// Bins on either side that support an edge; the reach is as many rungs as bins.
+const REACH: usize = 3;
+/// Weights of an edge and of the sum of its supports, per surface: 1/16 nat of evidence for 1/32 of the edge's log, in
+/// 1/256.
+const WEIGHTS: [[u32; 2]; 2] = [[23, 23], [45, 74]];
+
+/// Whether enough of a bin is known, of the floor or of the ceiling.
+pub(super) fn known(edges: &[u8]) -> [bool; BINS] {
+    let mut counts = [[0_u8; 2]; BINS];
+    for (surface, edges) in edges.chunks_exact(RUNGS * BINS).enumerate() {
+        for row in edges.chunks_exact(BINS) {
+            for (count, edge) in counts.iter_mut().zip(row) {
+                if let Some(count) = count.get_mut(surface) {
+                    *count += u8::from(*edge > 0);
+                }
+            }
+        }
+    }
+    counts.map(|of| of.iter().any(|count| 3 * usize::from(*count) >= RUNGS))
+}
+
+/// Replaces edges by `ln(1 + 2 edge / scale)` in 1/32 nat; what is unknown becomes 0.
+pub(super) fn normalize(edges: &mut [u8]) {
+    let mut counts = [0_u32; 256];
+    edges.iter().for_each(|edge| counts[usize::from(*edge)] += 1);
+    counts[0] = 0;
+    let wanted = counts.iter().sum::<u32>() / 100 * PERCENT;
+    let mut below = 0;
+    let reached = counts.iter().position(|count| {
+        below += count;
+        below > wanted
+    });
+    let scale = (reached.unwrap_or(0) as u32).saturating_sub(1).max(LEAST_SCALE) as f32;
+    let logs: [u8; 256] = core::array::from_fn(|edge| {
+        let strength = edge.saturating_sub(1) as f32;
+        (libm::log1pf(2.0 * strength / scale) * EDGE_UNIT) as u8
+    });
+    edges.iter_mut().for_each(|edge| *edge = logs[usize::from(*edge)]);
+}
+
+/// Evidence of each cell, 1/16 nat, at most 255, from normalized edges.
+pub(super) fn gather(edges: &[u8], support: &mut [u8]) {
+    let surfaces = edges.chunks_exact(RUNGS * BINS).zip(support.chunks_exact_mut(RUNGS * BINS));
+    for ((edges, support), [own, others]) in surfaces.zip(WEIGHTS) {
+        for (rung, out) in support.chunks_exact_mut(BINS).enumerate() {
+            let mut sums = [0_u16; BINS];
+            let mut strongest = [0_u8; BINS];
+            for reach in 0..=REACH {
+                for row in [rung.checked_sub(reach), rung.checked_add(reach)].into_iter().flatten() {
+                    let row = edges.get(row * BINS..(row + 1) * BINS).unwrap_or(&[]);
+                    strongest.iter_mut().zip(row).for_each(|(most, edge)| *most = (*most).max(*edge));
+                }
+                if reach > 0 {
+                    add_neighbours(&mut sums, &strongest, reach);
+                }
+            }
+            let here = edges.get(rung * BINS..).unwrap_or(&[]);
+            for ((out, sum), edge) in out.iter_mut().zip(&sums).zip(here) {
+                *out = ((u32::from(*edge) * own + u32::from(*sum) * others) >> 8).min(255) as u8;
+            }
+        }
+    }
+}
+
+/// Adds the values `distance` bins to either side, around the circle.
+fn add_neighbours(sums: &mut [u16; BINS], values: &[u8; BINS], distance: usize) {
+    let (head, tail) = values.split_at(distance.min(BINS));
+    let right = tail.iter().chain(head);
+    let (head, tail) = values.split_at(BINS - distance.min(BINS));
+    let left = tail.iter().chain(head);
+    for ((sum, left), right) in sums.iter_mut().zip(left).zip(right) {
+        *sum += u16::from(*left) + u16::from(*right);
+    }
+}

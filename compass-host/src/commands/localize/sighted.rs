@@ -1,0 +1,141 @@
+//! The pose of camera frames.
+
+use super::{Clock, Pose};
+use crate::commands::Outcome;
+use crate::commands::cameras::{CameraArgs, Cameras};
+use crate::locator::Locator;
+use crate::output::{Decimal, JsonOption};
+use crate::site_file::{SiteFile, Storey};
+use anyhow::{Context as _, Result, anyhow};
+use compass_core::boundary::{NOMINAL_HEIGHT_M, RUNG, height_rungs};
+use compass_core::likelihood::{Mode, Sheet};
+use compass_core::locate::Fix;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::Path;
+
+/// Layers of a floor as they are reported.
+const LAYERS: [&str; 2] = ["plan", "structure"];
+
+#[derive(Debug, Serialize)]
+struct Output<'a> {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    floor: Option<&'a str>,
+    x: Decimal,
+    y: Decimal,
+    heading_deg: Decimal,
+    up_in_cam0: [Decimal; 3],
+    camera_height_m: Decimal,
+    /// Which layer of the floor explains best what is seen: the plan as drawn, or its structure alone.
+    layer: &'static str,
+    /// Log-likelihood ratio against knowing nothing, nats.
+    score: Decimal,
+    margin: Decimal,
+    candidates: Vec<Pose<'a>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    position_error_m: Option<Decimal>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    heading_error_deg: Option<Decimal>,
+    milliseconds: BTreeMap<&'static str, Decimal>,
+}
+
+/// Sees, searches and reports.
+pub(super) fn run(
+    map: &Path,
+    cameras: &CameraArgs,
+    truth: Option<([f64; 2], f64)>,
+    json: &JsonOption,
+) -> Result<Outcome> {
+    let mut clock = Clock::default();
+    let file = SiteFile::read(map)?;
+    let storeys = file.storeys();
+    let mut locator = Locator::new(&storeys).ok_or_else(|| {
+        anyhow!("{}: has no plan to refine poses on; build it anew with compass map build", map.display())
+    })?;
+    clock.stage("read_map");
+    let Cameras { frames, mut eyes, up, height_m, name } = cameras.load()?;
+    let frames = frames.each_ref().map(Option::as_ref);
+    clock.stage("read_frames");
+    eyes.detect(frames)?;
+    clock.stage("segments");
+    let up = up.resolve(&mut eyes, frames).with_context(|| name.clone())?;
+    clock.stage("up");
+    let seen = eyes.windows(frames, &up).with_context(|| name.clone())?;
+    let (sighting, up) = (seen.sighting, seen.level.up());
+    clock.stage("windows");
+    let ranges = eyes.ranges(frames, &up, height_m).with_context(|| name.clone())?;
+    clock.stage("ranges");
+    let fix = locator.locate(ranges, height_m.map(height_rungs), &sighting);
+    clock.stage("locate");
+    let poses: Vec<_> = fix.answer.modes().iter().map(|m| pose(m, locator.sheets(), &storeys)).collect();
+    let (Some(best), Some(mode)) = (poses.first().copied(), fix.answer.best().filter(|best| best.score > 0))
+    else {
+        json.emit(&serde_json::json!({ "candidates": [] }), "no pose found\n")?;
+        return Ok(Outcome::No);
+    };
+    let errors = truth.map(|(at, heading)| best.error(at, heading));
+    let layer = locator.sheets().get(usize::from(mode.sheet)).map_or(0, |sheet| usize::from(sheet.layer));
+    let output = Output {
+        floor: best.floor,
+        x: best.x,
+        y: best.y,
+        heading_deg: best.heading_deg,
+        up_in_cam0: [up.x, up.y, up.z].map(|v| Decimal(f64::from(v))),
+        camera_height_m: Decimal(f64::from(height_of(&fix, height_m))),
+        layer: LAYERS[layer.min(1)],
+        score: best.score,
+        margin: nats(fix.answer.margin()),
+        candidates: poses,
+        position_error_m: errors.map(|(metres, _)| Decimal(metres)),
+        heading_error_deg: errors.map(|(_, degrees)| Decimal(degrees)),
+        milliseconds: clock.stages,
+    };
+    json.emit(&output, &summary(&output))?;
+    Ok(Outcome::Done)
+}
+
+fn pose<'a>(mode: &Mode, sheets: &[Sheet<'_>], storeys: &[Storey<'a>]) -> Pose<'a> {
+    let storey = sheets.get(usize::from(mode.sheet)).and_then(|sheet| storeys.get(usize::from(sheet.floor)));
+    Pose {
+        floor: storey.and_then(Storey::name).filter(|_| storeys.len() > 1),
+        x: Decimal(mode.at.x.to_num()),
+        y: Decimal(mode.at.y.to_num()),
+        heading_deg: Decimal(f64::from(mode.heading.to_microdegrees()) / 1e6),
+        score: nats(mode.score),
+    }
+}
+
+/// The camera's height in metres: that given, or that found.
+fn height_of(fix: &Fix, given: Option<f32>) -> f32 {
+    given.unwrap_or_else(|| NOMINAL_HEIGHT_M * (f32::from(fix.height) * RUNG).exp())
+}
+
+fn nats(sixteenths: i32) -> Decimal {
+    Decimal(f64::from(sixteenths) / 16.0)
+}
+
+fn summary(output: &Output<'_>) -> String {
+    let mut text = String::new();
+    for (rank, pose) in output.candidates.iter().enumerate() {
+        let floor = pose.floor.map_or_else(String::new, |name| format!("{name}  "));
+        let _ = writeln!(
+            text,
+            "{:>2}. {floor}x {:8.3} m  y {:8.3} m  heading {:6.2}  score {:8.2}",
+            rank + 1,
+            pose.x.0,
+            pose.y.0,
+            pose.heading_deg.0,
+            pose.score.0,
+        );
+    }
+    let _ = write!(text, "margin {:.1} nats, {} fits best", output.margin.0, output.layer);
+    let _ = writeln!(text, ", camera {:.2} m above the floor", output.camera_height_m.0);
+    if let (Some(metres), Some(degrees)) = (output.position_error_m, output.heading_error_deg) {
+        let _ = writeln!(text, "{:.2} m and {:.1} degrees off", metres.0, degrees.0);
+    }
+    let stages: Vec<_> =
+        output.milliseconds.iter().map(|(stage, ms)| format!("{stage} {:.1}", ms.0)).collect();
+    let _ = writeln!(text, "milliseconds: {}", stages.join(", "));
+    text
+}

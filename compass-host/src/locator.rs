@@ -1,0 +1,56 @@
+//! From frames to a pose on a site: the core's search with its buffers.
+
+use crate::site_file::Storey;
+use compass_core::boundary::Ranges;
+use compass_core::likelihood::{Mode, Rows, Sheet, Table};
+use compass_core::locate::{Effort, Fix, Work, locate};
+use compass_core::num::BINS;
+use compass_core::windows::level::Sighting;
+
+/// Modes that the search may choose from.
+const POOL: usize = 512;
+
+/// All layers of all floors of a site, and buffers for the search.
+#[derive(Debug)]
+pub struct Locator<'a> {
+    sheets: Vec<Sheet<'a>>,
+    table: Box<Table>,
+    coarse: Box<Rows<90>>,
+    rows: Box<Rows<BINS>>,
+    pool: Vec<Mode>,
+}
+
+impl<'a> Locator<'a> {
+    /// For these floors; `None` if one has no plan to refine poses on, as plain site maps have none.
+    #[must_use]
+    pub fn new(storeys: &[Storey<'a>]) -> Option<Self> {
+        let mut sheets = Vec::new();
+        for (number, storey) in (0..).zip(storeys) {
+            let floor = storey.floor?;
+            for layer in 0..floor.layers() as u8 {
+                let plan = floor.plan(usize::from(layer))?;
+                sheets.push(Sheet { map: storey.map, layer, plan, floor: number });
+            }
+        }
+        Some(Self {
+            sheets,
+            table: Box::new(Table::EMPTY),
+            coarse: Box::new(Rows::BLANK),
+            rows: Box::new(Rows::BLANK),
+            pool: vec![Mode::NONE; POOL],
+        })
+    }
+
+    /// The layers in the order that [`Mode::sheet`] counts them.
+    #[must_use]
+    pub fn sheets(&self) -> &[Sheet<'a>] {
+        &self.sheets
+    }
+
+    /// Finds the pose that explains best what was seen, with the camera's height in rungs where it is known.
+    pub fn locate(&mut self, ranges: &Ranges, height: Option<i8>, sighting: &Sighting) -> Fix {
+        let Self { sheets, table, coarse, rows, pool } = self;
+        let mut work = Work { table, coarse, rows, pool };
+        locate(ranges, height, sighting, sheets, Effort::default(), &mut work)
+    }
+}
