@@ -1,45 +1,31 @@
-//! From what is seen to a pose: camera height, search, refinement, answer.
+//! From what is seen to a pose: search over camera heights, candidates and headings, refinement, answer.
 
 use crate::boundary::Ranges;
 use crate::likelihood::{Answer, Mode, Rows, Sheet, Table, answer, refine, search};
+use crate::num::{Metres, Turn};
 use crate::sight;
 use crate::windows::level::Sighting;
 use heapless::Vec;
 
-/// Headings that heights of the camera are compared at.
-const COARSE: usize = 90;
-/// Most modes that are refined, of all heights together.
+/// Most modes that are refined.
 pub const MAX_MODES: usize = 48;
-/// Most heights that are searched at all headings.
-const MAX_HEIGHTS: usize = 3;
+/// A pose found with two heights of the camera is refined with the better one: they are this near...
+const SAME: Metres = Metres::from_bits(3 << 30);
+/// ... and turned by no more than this.
+const SAME_TURN: Turn = Turn::from_ratio(15, 360);
 
-/// How much work to spend.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Effort {
-    /// Camera heights that are searched at all headings when the height is not known, 1 to 3.
-    pub heights: u8,
-    /// Modes that are refined for each of them, 1 to 16.
-    pub modes: u8,
-}
-
-impl Default for Effort {
-    fn default() -> Self {
-        Self { heights: 2, modes: 16 }
-    }
-}
-
-/// Memory lent for the search; what it holds before does not matter. N is the number of headings.
+/// Memory lent for the search; what it holds before does not matter. The search tries N headings: 90 do, the rest is
+/// refinement.
 #[derive(Debug)]
 pub struct Work<'a, const N: usize> {
     /// The evidence, and afterwards that for the answer's height.
     pub table: &'a mut Table,
-    /// For heights: used when the height is not known.
-    pub coarse: &'a mut Rows<COARSE>,
     /// For the search.
     pub rows: &'a mut Rows<N>,
     /// 64 to 512 places.
     pub pool: &'a mut [Mode],
+    /// How many modes to refine, at most [`MAX_MODES`].
+    pub modes: usize,
 }
 
 /// Where the cameras are.
@@ -51,71 +37,81 @@ pub struct Fix {
     pub height: i8,
 }
 
+/// A mode and the height of the camera that it was found with.
+type Found = (Mode, i8);
+
 /// Finds the pose that explains best what was seen, on all sheets; `height` is that of the camera in
 /// [rungs](crate::boundary::height_rungs), and is searched for where it is not known.
 ///
 /// # Cost
-/// Known height: one [`search`] and `modes` [refinements](refine). Unknown: one more search at 90 headings per height
-/// that a room allows, about 14, and the rest for each of [`Effort::heights`].
+/// One [`search`] per height, and as many [refinements](refine) as [`Work::modes`]. Where the height is not known, a room
+/// of usual height allows about 14, and the best pose is refined with the two next to its own as well.
 #[inline]
 pub fn locate<const N: usize>(
     ranges: &Ranges,
     height: Option<i8>,
     sighting: &Sighting,
     sheets: &[Sheet<'_>],
-    effort: Effort,
     work: &mut Work<'_, N>,
 ) -> Fix {
-    let heights = height.map_or_else(
-        || likely_heights(ranges, sighting, sheets, effort, work),
-        |known| Vec::from_iter([known]),
-    );
-    let mut modes: Vec<Mode, MAX_MODES> = Vec::new();
-    let mut best = (i32::MIN, height.unwrap_or(0));
-    for &height in &heights {
+    let heights = height.map_or_else(|| ranges.heights(), |known| known..=known);
+    let mut found: Vec<Found, MAX_MODES> = Vec::new();
+    for height in heights.clone() {
         sight::evidence(ranges, height, sighting, work.table);
         work.rows.set(work.table);
-        let found = search(work.rows, sheets, |_, _| true, work.pool);
-        let per_height = usize::from(effort.modes).min(MAX_MODES / MAX_HEIGHTS);
-        for mode in work.pool.iter().take(found.min(per_height)) {
-            let Some(sheet) = sheets.get(usize::from(mode.sheet)) else { continue };
-            let refined = refine(work.table, sheet, *mode);
-            if refined.score > best.0 {
-                best = (refined.score, height);
+        let count = search(work.rows, sheets, |_, _| true, work.pool);
+        let wanted = work.modes.clamp(1, MAX_MODES);
+        work.pool.iter().take(count.min(wanted)).for_each(|mode| offer(&mut found, wanted, (*mode, height)));
+    }
+    for at in heights.clone() {
+        if found.iter().any(|(_, height)| *height == at) {
+            sight::evidence(ranges, at, sighting, work.table);
+            for (mode, _) in found.iter_mut().filter(|(_, height)| *height == at) {
+                if let Some(sheet) = sheets.get(usize::from(mode.sheet)) {
+                    *mode = refine(work.table, sheet, *mode);
+                }
             }
-            // Never full: both factors are bounded.
-            let _ = modes.push(refined);
         }
     }
-    if heights.last() != Some(&best.1) {
-        sight::evidence(ranges, best.1, sighting, work.table);
-    }
+    let best = found.iter().max_by_key(|(mode, _)| mode.score).copied().unwrap_or((Mode::NONE, 0));
+    let best = polish(ranges, &heights, sighting, sheets, work, best);
+    let mut modes: Vec<Mode, { MAX_MODES + 1 }> = found.iter().map(|(mode, _)| *mode).collect();
+    // Never full: it has one place more.
+    let _ = modes.push(best.0);
+    sight::evidence(ranges, best.1, sighting, work.table);
     Fix { answer: answer(sheets, &mut modes), height: best.1 }
 }
 
-/// The heights at which the best candidates score best, best first.
-fn likely_heights<const N: usize>(
+/// Adds a mode unless as many better ones are there, or a better one at the same pose.
+fn offer(found: &mut Vec<Found, MAX_MODES>, wanted: usize, new: Found) {
+    let same = |other: &Mode| other.sheet == new.0.sheet && new.0.is_near(other, SAME, SAME_TURN);
+    if let Some(at) = found.iter().position(|(other, _)| same(other)) {
+        if found.get(at).is_some_and(|(other, _)| other.score >= new.0.score) {
+            return;
+        }
+        found.remove(at);
+    }
+    let at = found.iter().position(|(other, _)| new.0.score > other.score).unwrap_or(found.len());
+    if at < wanted {
+        found.truncate(wanted - 1);
+        let _ = found.insert(at.min(found.len()), new);
+    }
+}
+
+/// The best mode with the heights next to its own, where they may be.
+fn polish<const N: usize>(
     ranges: &Ranges,
+    heights: &core::ops::RangeInclusive<i8>,
     sighting: &Sighting,
     sheets: &[Sheet<'_>],
-    effort: Effort,
     work: &mut Work<'_, N>,
-) -> Vec<i8, MAX_HEIGHTS> {
-    let wanted = usize::from(effort.heights).clamp(1, MAX_HEIGHTS);
-    let mut likely: Vec<(i32, i8), MAX_HEIGHTS> = Vec::new();
-    for height in ranges.heights() {
+    best: Found,
+) -> Found {
+    let Some(sheet) = sheets.get(usize::from(best.0.sheet)) else { return best };
+    let beside = [best.1.saturating_sub(1), best.1.saturating_add(1)];
+    let tried = beside.into_iter().filter(|height| heights.contains(height)).map(|height| {
         sight::evidence(ranges, height, sighting, work.table);
-        work.coarse.set(work.table);
-        let pool = work.pool.get_mut(..1).unwrap_or_default();
-        let found = search(work.coarse, sheets, |_, _| true, pool);
-        let score = pool.first().filter(|_| found > 0).map_or(i32::MIN, |mode| mode.score);
-        let at = likely.iter().position(|other| score > other.0).unwrap_or(likely.len());
-        if likely.len() == wanted && at < wanted {
-            likely.pop();
-        }
-        if likely.len() < wanted {
-            let _ = likely.insert(at, (score, height));
-        }
-    }
-    likely.iter().map(|(_, height)| *height).collect()
+        (refine(work.table, sheet, best.0), height)
+    });
+    tried.fold(best, |best, other| if other.0.score > best.0.score { other } else { best })
 }

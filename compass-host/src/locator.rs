@@ -3,20 +3,22 @@
 use crate::site_file::Storey;
 use compass_core::boundary::Ranges;
 use compass_core::likelihood::{Mode, Rows, Sheet, Table};
-use compass_core::locate::{Effort, Fix, Work, locate};
-use compass_core::num::BINS;
+use compass_core::locate::{Fix, Work, locate};
 use compass_core::windows::level::Sighting;
 
 /// Modes that the search may choose from.
 const POOL: usize = 512;
+/// Headings that the search tries: 180 and 360 found no more on recorded and simulated frames.
+const HEADINGS: usize = 90;
+/// Modes that are refined.
+const MODES: usize = 24;
 
 /// All layers of all floors of a site, and buffers for the search.
 #[derive(Debug)]
 pub struct Locator<'a> {
     sheets: Vec<Sheet<'a>>,
     table: Box<Table>,
-    coarse: Box<Rows<90>>,
-    rows: Box<Rows<BINS>>,
+    rows: Box<Rows<HEADINGS>>,
     pool: Vec<Mode>,
 }
 
@@ -35,7 +37,6 @@ impl<'a> Locator<'a> {
         Some(Self {
             sheets,
             table: Box::new(Table::EMPTY),
-            coarse: Box::new(Rows::BLANK),
             rows: Box::new(Rows::BLANK),
             pool: vec![Mode::NONE; POOL],
         })
@@ -49,8 +50,7 @@ impl<'a> Locator<'a> {
 
     /// Finds the pose that explains best what was seen, with the camera's height in rungs where it is known.
     pub fn locate(&mut self, ranges: &Ranges, height: Option<i8>, sighting: &Sighting) -> Fix {
-        let Self { sheets, table, coarse, rows, pool } = self;
-        let mut work = Work { table, coarse, rows, pool };
-        locate(ranges, height, sighting, sheets, Effort::default(), &mut work)
+        let Self { sheets, table, rows, pool } = self;
+        locate(ranges, height, sighting, sheets, &mut Work { table, rows, pool, modes: MODES })
     }
 }

@@ -216,3 +216,37 @@ fn log_ratio(part: u32, sum: u32) -> i8 {
     let ratio = share + OUTLIERS_TENTHS * 256 / 10;
     LOWEST + RATIOS.partition_point(|least| *least <= ratio) as i8
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn log_ratios_are_rounded_logarithms() {
+        let sum = 3 << 16;
+        for part in [0, 1, 40, 700, 9_000, 30_000, 65_536] {
+            let exact = 16.0 * (0.7 * 72.0 * f64::from(part) / f64::from(sum) + 0.3).ln();
+            let found = f64::from(log_ratio(part, sum));
+            assert!((found - exact).abs() <= 0.6, "{part}: {found} for {exact}");
+        }
+        assert_eq!(log_ratio(65_536, 65_536), 63, "all of it in one rung");
+        assert!(log_ratio(0, 0) < 0, "no sum is no crash");
+    }
+
+    #[test]
+    fn decay_is_exponential() {
+        for (k, &value) in DECAY.iter().enumerate() {
+            let exact = 65_536.0 * (-(k as f64) / 16.0).exp();
+            assert!((f64::from(value) - exact).abs() <= 0.51, "{k}");
+        }
+        assert_eq!(decay(i16::MIN), 0);
+    }
+
+    #[test]
+    fn the_prior_is_the_stated_parabola() {
+        for (rung, &prior) in PRIOR.iter().enumerate() {
+            let x = (rung as f64 - LEAD as f64) * 2.0 / 71.0 - 1.0;
+            assert!((f64::from(prior) - 16.0 * (1.3 * x - 2.87 * x * x)).abs() <= 1.0, "{rung}");
+        }
+    }
+}

@@ -92,3 +92,6 @@ pub fn height_rungs(height_m: f32) -> i8 {
     let bounded = if height_m >= HEIGHTS_M[0] { height_m.min(HEIGHTS_M[1]) } else { HEIGHTS_M[0] };
     libm::roundf(libm::logf(bounded / NOMINAL_HEIGHT_M) / RUNG) as i8
 }
+
+#[cfg(test)]
+mod tests;

@@ -3,7 +3,6 @@
 use super::rows::Rows;
 use crate::num::{BINS, Metres, Point, Turn};
 use crate::plan::Plan;
-use crate::scan::Scan;
 use crate::site_map::SiteMap;
 use core::cmp::Reverse;
 
@@ -30,9 +29,8 @@ pub struct Sheet<'a> {
 impl Sheet<'_> {
     /// The planes of a candidate.
     fn planes<const N: usize>(&self, candidate: usize) -> Option<[u8; N]> {
-        let mut scan = Scan::BLANK;
-        self.map.get(candidate)?.layer(usize::from(self.layer))?.scan(&mut scan);
-        Some(Rows::planes(&scan))
+        let record = self.map.get(candidate)?;
+        Some(Rows::planes_of_packed(record.layer(usize::from(self.layer))?.packed()?))
     }
 }
 
@@ -61,7 +59,7 @@ impl Mode {
     }
 
     /// Whether the other lies within a distance and at less than an angle.
-    pub(super) fn is_near(&self, other: &Self, distance: Metres, turn: Turn) -> bool {
+    pub(crate) fn is_near(&self, other: &Self, distance: Metres, turn: Turn) -> bool {
         self.heading.distance(other.heading) < turn && self.at.within(other.at, distance)
     }
 }

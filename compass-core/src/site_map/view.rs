@@ -163,9 +163,14 @@ impl LayerView<'_> {
         Sketch(bytes.copied().unwrap_or([0; SKETCH_BYTES]).map(u8::cast_signed))
     }
 
+    /// The scan as it is stored.
+    pub(crate) fn packed(&self) -> Option<&[u8; PACKED_SCAN_BYTES]> {
+        self.0.last_chunk()
+    }
+
     /// Unpacks the scan, cast with heading 0.
     pub fn scan(&self, out: &mut Scan) {
-        if let Some(packed) = self.0.last_chunk::<PACKED_SCAN_BYTES>() {
+        if let Some(packed) = self.packed() {
             unpack(packed, out);
         }
     }
