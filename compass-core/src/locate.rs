@@ -14,6 +14,9 @@ const SAME: Metres = Metres::from_bits(3 << 30);
 /// ... and turned by no more than this.
 const SAME_TURN: Turn = Turn::from_ratio(15, 360);
 
+/// Log odds against an answer whose margin is 0, and what they lose per unit of ln(1 + margin in nats).
+const CERTAINTY: [f32; 2] = [6.33, 1.93];
+
 /// Memory lent for the search; what it holds before does not matter. The search tries N headings: 90 do, the rest is
 /// refinement.
 #[derive(Debug)]
@@ -35,6 +38,21 @@ pub struct Fix {
     pub answer: Answer,
     /// The camera's height in [rungs](crate::boundary::height_rungs): that given, or that found.
     pub height: i8,
+}
+
+impl Fix {
+    /// How likely the best pose is within 1 m of the true one, 0 to 1: from its margin over the best pose elsewhere.
+    ///
+    /// Logistic in the logarithm of the margin, fitted to 129 frame pairs of two storeys, 120 of them simulated
+    /// (`docs/design.md`). The score itself says little: bins next to each other err together.
+    #[must_use]
+    pub fn probability(&self) -> f32 {
+        if self.answer.best().is_none_or(|best| best.score <= 0) {
+            return 0.0;
+        }
+        let margin = self.answer.margin().max(0) as f32 / 16.0;
+        1.0 / (1.0 + libm::expf(CERTAINTY[0] - CERTAINTY[1] * libm::log1pf(margin)))
+    }
 }
 
 /// A mode and the height of the camera that it was found with.

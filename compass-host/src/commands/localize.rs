@@ -26,6 +26,9 @@ pub(super) struct Localize {
     map: PathBuf,
     #[command(flatten)]
     cameras: CameraArgs,
+    /// Answer "I don't know" (exit status 1) if frames leave less than this probability that the pose is right within 1 m
+    #[arg(long, value_name = "P", default_value_t = 0.5, value_parser = share, allow_hyphen_values = true)]
+    min_probability: f64,
     #[command(flatten)]
     query: PlanQuery,
     /// True position in metres: the errors of the answer are reported; with --from-plan that of the query
@@ -88,6 +91,10 @@ impl Matching {
 
 fn level(text: &str) -> Result<f64, String> {
     finite(text).and_then(|v| if (0.0..=10.0).contains(&v) { Ok(v) } else { Err("expected 0 to 10".into()) })
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    finite(text).and_then(|v| if (0.0..=1.0).contains(&v) { Ok(v) } else { Err("expected 0 to 1".into()) })
 }
 
 fn weights(text: &str) -> Result<Weights, String> {
@@ -163,7 +170,7 @@ impl Localize {
         match (&self.query.from_plan, truth) {
             (Some(plan), Some(truth)) => self.from_plan(plan, truth),
             (Some(_), None) => bail!("no pose on the plan: give --at X,Y and --heading DEG"),
-            (None, _) if self.cameras.is_given() => sighted::run(&self.map, &self.cameras, truth, &self.json),
+            (None, _) if self.cameras.is_given() => sighted::run(&self.map, &self.cameras, truth, self.min_probability, &self.json),
             (None, _) => {
                 bail!("no query: give --calib with --cam0, --cam1 or both, or a plan with --from-plan")
             }

@@ -3,6 +3,7 @@
 //! Memory is shared as on a board: once the segments of both frames are known, the detector's buffers hold the ring.
 
 use compass_core::attitude::{self, Arc, Hint, Vertical};
+use compass_core::boundary::{self, Ranges, Surveyor};
 use compass_core::camera::{Bearing, Camera, Intrinsics, KannalaBrandt, Rig, View};
 use compass_core::raster::{BitMask, GrayImage};
 use compass_core::segments::{self, Segment, detect};
@@ -51,6 +52,7 @@ pub struct Eyes {
     columns: [Column; RING.columns() + 1],
     pub(crate) windows: [Window; WINDOWS],
     pub(crate) sighting: Option<Sighting>,
+    pub(crate) ranges: Ranges,
 }
 
 impl Eyes {
@@ -68,6 +70,7 @@ impl Eyes {
             columns: [Column::EMPTY; RING.columns() + 1],
             windows: [Window::EMPTY; WINDOWS],
             sighting: None,
+            ranges: Ranges::EMPTY,
         }
     }
 
@@ -114,12 +117,31 @@ impl Eyes {
         };
         let mut finder = Finder::new(buffers, RING, &rig, level).expect("a ring fits the frame's buffers");
         for (camera, (_, red)) in FRAMES.iter().enumerate() {
-            let red =
-                BitMask::new(red, WIDTH.into(), HEIGHT.into()).expect("the mask is of the frame's size");
-            finder.add(camera, &gray(camera), Red::Mask(red), &self.segments[camera][..self.counts[camera]]);
+            let segments = &self.segments[camera][..self.counts[camera]];
+            finder.add(camera, &gray(camera), Red::Mask(red_mask(red)), segments);
         }
         self.sighting = Some(finder.finish(&mut self.windows));
     }
+
+    /// How far the walls are; the ring is no longer needed.
+    pub(crate) fn survey(&mut self) {
+        let Some(level) = self.vertical.and_then(|vertical| Level::new(&vertical.up)) else { return };
+        let rig = rig();
+        let buffers = boundary::Buffers {
+            edges: &mut self.smoothed,
+            support: bytemuck::cast_slice_mut(&mut self.cells),
+        };
+        let mut surveyor =
+            Surveyor::new(buffers, &rig, level).expect("the raster fits the frame's buffers");
+        for (camera, (_, red)) in FRAMES.iter().enumerate() {
+            surveyor.add(camera, &gray(camera), Red::Mask(red_mask(red)));
+        }
+        surveyor.finish(None, &mut self.ranges);
+    }
+}
+
+fn red_mask(red: &'static [u8]) -> BitMask<'static> {
+    BitMask::new(red, WIDTH.into(), HEIGHT.into()).expect("the mask is of the frame's size")
 }
 
 fn gray(camera: usize) -> GrayImage<'static> {

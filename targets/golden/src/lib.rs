@@ -11,7 +11,10 @@
 
 mod eyes;
 
+use compass_core::boundary::{self, height_rungs};
 use compass_core::descriptor::Descriptor;
+use compass_core::likelihood::{Mode, Rows, Sheet, Table};
+use compass_core::locate::{Fix, Work, locate};
 use compass_core::matching::{Answer, Board, Exact, GROUP, Group, Index, Match, exhaustive, shortlist};
 use compass_core::num::{BINS, Metres, Point, Score, Turn, Unit};
 use compass_core::plan::Plan;
@@ -29,6 +32,13 @@ const ANGLES: usize = 2 * BINS;
 const SHORTLIST: usize = 64;
 /// Matches that the shortlist chooses alternatives from.
 const SHORTLIST_POOL: usize = 256;
+/// Headings that the search under evidence tries.
+const HEADINGS: usize = 90;
+/// Modes that it keeps, and those of them that are refined.
+const MODES: usize = 64;
+const REFINED: usize = 8;
+/// Height of the cameras of the sample frames above the floor, metres.
+const CAMERA_HEIGHT_M: f32 = 1.6;
 /// Matches that the exact search chooses alternatives from.
 const EXACT_POOL: usize = 400;
 
@@ -100,6 +110,10 @@ pub struct Workspace {
     exact_pool: [Match; EXACT_POOL],
     proven: Option<Answer>,
     eyes: Eyes,
+    table: Table,
+    rows: Rows<HEADINGS>,
+    modes: [Mode; MODES],
+    fix: Option<Fix>,
 }
 
 impl Workspace {
@@ -125,6 +139,10 @@ impl Workspace {
             exact_pool: [Match::NONE; EXACT_POOL],
             proven: None,
             eyes: Eyes::new(),
+            table: Table::EMPTY,
+            rows: Rows::BLANK,
+            modes: [Mode::NONE; MODES],
+            fix: None,
         }
     }
 }
@@ -215,6 +233,15 @@ pub const STAGES: &[Stage] = &[
     },
     Stage { name: "attitude", run: |_, w| w.eyes.level(), checksum: |w| checksum(up_words(&w.eyes)) },
     Stage { name: "windows", run: |_, w| w.eyes.look(), checksum: |w| checksum(sight_words(&w.eyes)) },
+    Stage {
+        name: "ranges",
+        run: |_, w| w.eyes.survey(),
+        checksum: |w| {
+            let rows = (0..boundary::RUNGS).map(|rung| w.eyes.ranges.row(rung, 0));
+            checksum(rows.flatten().map(|value| value.cast_unsigned().into()))
+        },
+    },
+    Stage { name: "locate", run: locate_frames, checksum: |w| checksum(fix_words(w.fix.as_ref())) },
 ];
 
 /// The segments of a frame, bit for bit.
@@ -384,6 +411,26 @@ fn exact(inputs: &Inputs<'_>, workspace: &mut Workspace) {
     *proven = exhaustive(&index, &map, query, None, exact, bounds, exact_pool);
 }
 
+/// The pose of the frames, from what the eyes saw: searched on the whole map and refined on the plan.
+fn locate_frames(inputs: &Inputs<'_>, workspace: &mut Workspace) {
+    let Workspace { eyes, table, rows, modes, fix, .. } = workspace;
+    let Some(sighting) = &eyes.sighting else { return };
+    let sheets = [Sheet { map: inputs.map(), layer: 0, plan: inputs.plan(), floor: 0 }];
+    let mut work = Work { table, rows, pool: modes, modes: REFINED };
+    *fix = Some(locate(&eyes.ranges, Some(height_rungs(CAMERA_HEIGHT_M)), sighting, &sheets, &mut work));
+}
+
+/// All poses with their scores, and the height.
+fn fix_words(fix: Option<&Fix>) -> impl Iterator<Item = u32> + '_ {
+    fix.into_iter().flat_map(|fix| {
+        let words = |mode: &Mode| {
+            let [x, y] = [mode.at.x, mode.at.y].map(Metres::to_bits);
+            [x as u32, (x >> 32) as u32, y as u32, (y >> 32) as u32, mode.heading.to_bits(), mode.score as u32]
+        };
+        fix.answer.modes().iter().flat_map(words).chain([fix.height as u32])
+    })
+}
+
 #[cfg(test)]
 mod tests {
     extern crate std;
@@ -451,6 +498,17 @@ mod tests {
             .filter(|((_, confidence), _)| **confidence > 0)
             .fold((0, 0), |(agree, all), ((a, _), b)| (agree + usize::from(a == b), all + 1));
         assert!(all > 300 && agree * 100 > 75 * all, "{agree} of {all}");
+    }
+
+    #[test]
+    fn the_frames_are_located() {
+        let mut workspace = workspace();
+        run(&Inputs::SAMPLE, &mut workspace, &mut |_, _| ());
+        let fix = workspace.fix.as_ref().expect("the eyes saw something");
+        let best = fix.answer.best().expect("there are candidates");
+        std::println!("{best:?}, probability {}", fix.probability());
+        assert!(best.at.within(Inputs::SAMPLE.position, Metres::lit("0.3")), "{best:?}");
+        assert!(best.heading.distance(Inputs::SAMPLE.heading) < Turn::from_ratio(2, 360), "{best:?}");
     }
 
     #[test]

@@ -32,6 +32,8 @@ struct Output<'a> {
     /// Log-likelihood ratio against knowing nothing, nats.
     score: Decimal,
     margin: Decimal,
+    /// That the pose is within 1 m of the true one.
+    probability: Decimal,
     candidates: Vec<Pose<'a>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     position_error_m: Option<Decimal>,
@@ -40,11 +42,19 @@ struct Output<'a> {
     milliseconds: BTreeMap<&'static str, Decimal>,
 }
 
+/// An answer that is no answer.
+#[derive(Debug, Serialize)]
+struct Unsure<'a> {
+    probability: Decimal,
+    candidates: Vec<Pose<'a>>,
+}
+
 /// Sees, searches and reports.
 pub(super) fn run(
     map: &Path,
     cameras: &CameraArgs,
     truth: Option<([f64; 2], f64)>,
+    least_probability: f64,
     json: &JsonOption,
 ) -> Result<Outcome> {
     let mut clock = Clock::default();
@@ -69,11 +79,19 @@ pub(super) fn run(
     let fix = locator.locate(ranges, height_m.map(height_rungs), &sighting);
     clock.stage("locate");
     let poses: Vec<_> = fix.answer.modes().iter().map(|m| pose(m, locator.sheets(), &storeys)).collect();
-    let (Some(best), Some(mode)) = (poses.first().copied(), fix.answer.best().filter(|best| best.score > 0))
-    else {
-        json.emit(&serde_json::json!({ "candidates": [] }), "no pose found\n")?;
+    let probability = f64::from(fix.probability());
+    let (Some(best), Some(mode)) = (poses.first().copied(), fix.answer.best()) else {
+        json.emit(&Unsure { probability: Decimal(0.0), candidates: poses }, "no pose found\n")?;
         return Ok(Outcome::No);
     };
+    if probability < least_probability {
+        let summary = format!(
+            "I don't know: the likeliest of {} poses is right with a probability of {probability:.2}\n",
+            poses.len()
+        );
+        json.emit(&Unsure { probability: Decimal(probability), candidates: poses }, &summary)?;
+        return Ok(Outcome::No);
+    }
     let errors = truth.map(|(at, heading)| best.error(at, heading));
     let layer = locator.sheets().get(usize::from(mode.sheet)).map_or(0, |sheet| usize::from(sheet.layer));
     let output = Output {
@@ -86,6 +104,7 @@ pub(super) fn run(
         layer: LAYERS[layer.min(1)],
         score: best.score,
         margin: nats(fix.answer.margin()),
+        probability: Decimal(probability),
         candidates: poses,
         position_error_m: errors.map(|(metres, _)| Decimal(metres)),
         heading_error_deg: errors.map(|(_, degrees)| Decimal(degrees)),
@@ -129,8 +148,12 @@ fn summary(output: &Output<'_>) -> String {
             pose.score.0,
         );
     }
-    let _ = write!(text, "margin {:.1} nats, {} fits best", output.margin.0, output.layer);
-    let _ = writeln!(text, ", camera {:.2} m above the floor", output.camera_height_m.0);
+    let Output { probability, margin, layer, camera_height_m, .. } = output;
+    let _ = writeln!(
+        text,
+        "probability {:.2}, margin {:.1} nats, {layer} fits best, camera {:.2} m above the floor",
+        probability.0, margin.0, camera_height_m.0
+    );
     if let (Some(metres), Some(degrees)) = (output.position_error_m, output.heading_error_deg) {
         let _ = writeln!(text, "{:.2} m and {:.1} degrees off", metres.0, degrees.0);
     }
