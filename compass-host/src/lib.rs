@@ -22,3 +22,4 @@ pub mod sample;
 pub mod simulate;
 pub mod site;
 pub mod site_file;
+mod wide;
