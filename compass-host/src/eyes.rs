@@ -1,9 +1,10 @@
 //! From camera frames to window or wall in every direction: the core's steps with their buffers.
 
 use crate::frame::{Frame, MAX_SEGMENTS, SegmentDetector};
+use crate::wide::wide;
 use compass_core::attitude::{self, Arc, Hint, LEAST_INLIERS, Vertical};
 use compass_core::camera::{Bearing, Rig, View};
-use compass_core::raster::{BitMask, RgbImage};
+use compass_core::raster::{BitMask, GrayImage, RgbImage};
 use compass_core::segments::{Detected, Parameters, Segment, SegmentsError};
 use compass_core::windows::level::{
     self, Buffers, Column, Edge, Finder, Level, MAX_BOXES, MAX_UPRIGHTS, Red, Resolution, Sighting, Upright,
@@ -175,9 +176,9 @@ impl Eyes {
             let image = if smoothed { eye.detector.smoothed(&frame.gray()) } else { frame.gray() };
             let red = frame.rgb().and_then(|rgb| RgbImage::new(rgb, frame.width(), frame.height()).ok());
             let red = red.map_or(Red::Unknown, Red::Colours);
-            finder.add(camera, &image, red, eye.detector.segments(&eye.detected));
+            add(&mut finder, camera, &image, red, eye.detector.segments(&eye.detected));
         }
-        let sighting = finder.finish(&mut self.windows);
+        let sighting = finish(finder, &mut self.windows);
         self.considered = [sighting.uprights, sighting.boxes];
         let windows = &self.windows[..sighting.count];
         Ok(Seen { sighting, windows, level })
@@ -252,6 +253,24 @@ impl Eyes {
     pub fn ring(&self) -> Vec<u8> {
         let (columns, rows) = (self.resolution.columns(), self.resolution.rows());
         (0..columns * rows).map(|i| self.gray[i % columns * rows + i / columns]).collect()
+    }
+}
+
+wide! {
+    /// [`Finder::add`].
+    fn add(
+        finder: &mut Finder<'_, '_>,
+        camera: usize,
+        image: &GrayImage<'_>,
+        red: Red<'_>,
+        segments: &[Segment],
+    ) {
+        finder.add(camera, image, red, segments);
+    }
+
+    /// [`Finder::finish`].
+    fn finish(finder: Finder<'_, '_>, windows: &mut [Window]) -> Sighting {
+        finder.finish(windows)
     }
 }
 
