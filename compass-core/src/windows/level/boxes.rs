@@ -23,11 +23,11 @@ const MOST_ROWS: usize = (OUTSIDE_HALVES + INSIDE_HALVES) * 4 / 2;
 
 /// Scores count in 1/256 nat.
 pub(super) const NAT: i32 = 256;
-/// Weights of the cues, in nats; fitted once by logistic regression on boxes of rendered and real rooms.
+/// Weights of the cues, in nats; how they were fitted is told in `docs/design.md`.
 const LINTEL: i32 = 4;
-const CONTRAST: i32 = 4;
+const CONTRAST: i32 = 2;
 const TEXTURE: i32 = 8;
-const BIAS: i32 = -4 * NAT;
+const BIAS: i32 = -15 * NAT / 4;
 /// Penalties, in halves of a nat per octave, of shapes wider than 2^-0.8 and narrower than 1/4 of their height.
 const WIDE_HALVES: i32 = 3;
 const NARROW_HALVES: i32 = 4;
