@@ -27,3 +27,24 @@ macro_rules! wide {
 }
 
 pub(crate) use wide;
+
+#[cfg(test)]
+mod tests {
+    wide! {
+        fn longer<'a>(one: &'a [u8], other: &'a [u8]) -> &'a [u8] {
+            if one.len() < other.len() { other } else { one }
+        }
+
+        fn double(cells: &mut [u8]) {
+            cells.iter_mut().for_each(|cell| *cell *= 2);
+        }
+    }
+
+    #[test]
+    fn arguments_and_results_pass_through() {
+        let mut cells: Vec<u8> = (0..100).collect();
+        double(&mut cells);
+        assert!(cells.iter().zip(0..).all(|(cell, i)| *cell == 2 * i));
+        assert_eq!(longer(&cells, &[1]), cells);
+    }
+}
