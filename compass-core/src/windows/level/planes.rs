@@ -116,7 +116,7 @@ mod tests {
         let resolution = Resolution::COARSE;
         let (columns, rows) = (resolution.columns(), resolution.rows());
         // A quarter of all columns is bright, whatever its level.
-        for bright in [60, 120, 250] {
+        for bright in [60, 120, 240] {
             let mut gray: vec::Vec<u8> =
                 (0..resolution.cells()).map(|i| if i / rows < columns / 4 { bright } else { 40 }).collect();
             let mut texture = vec![9; gray.len()];
@@ -130,7 +130,8 @@ mod tests {
     fn over_exposed_is_textured() {
         let resolution = Resolution::COARSE;
         let rows = resolution.rows();
-        let mut gray: vec::Vec<u8> = (0..resolution.cells()).map(|i| (i / rows % 256) as u8).collect();
+        let mut gray: vec::Vec<u8> =
+            (0..resolution.cells()).map(|i| GLARE - u8::from(i / rows % 7 == 3)).collect();
         let exposed: vec::Vec<_> = gray.iter().map(|level| *level >= GLARE).collect();
         let mut texture = vec![9; gray.len()];
         normalize(&mut gray, &mut texture, resolution);
