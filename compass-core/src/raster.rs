@@ -82,6 +82,13 @@ impl<'a> BitMask<'a> {
         x < self.width && self.byte(x / 8, y) >> (x % 8) & 1 == 1
     }
 
+    /// The bytes of row `y`, padding as it is; none outside.
+    pub(crate) fn row(&self, y: u32) -> &'a [u8] {
+        let start = y as usize * self.row_bytes;
+        let row = if y < self.height { self.bits.get(start..start + self.row_bytes) } else { None };
+        row.unwrap_or(&[])
+    }
+
     /// Eight pixels of row `y` from column `8 * column`; padding and outside read as unset.
     #[must_use]
     #[inline]

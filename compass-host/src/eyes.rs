@@ -1,10 +1,11 @@
 //! From camera frames to window or wall in every direction: the core's steps with their buffers.
 
 use crate::frame::{Frame, MAX_SEGMENTS, SegmentDetector};
+use crate::wide::wide;
 use compass_core::attitude::{self, Arc, Hint, LEAST_INLIERS, Vertical};
 use compass_core::boundary::{self, Ranges, Surveyor};
 use compass_core::camera::{Bearing, Rig, View};
-use compass_core::raster::{BitMask, RgbImage};
+use compass_core::raster::{BitMask, GrayImage, RgbImage};
 use compass_core::segments::{Detected, Parameters, Segment, SegmentsError};
 use compass_core::windows::level::{
     self, Buffers, Column, Edge, Finder, Level, MAX_BOXES, MAX_UPRIGHTS, Red, Resolution, Sighting, Upright,
@@ -178,9 +179,9 @@ impl Eyes {
             let Some((eye, frame)) = eye.as_ref().zip(frame) else { continue };
             let smoothed = level::wants_smoothed(&eye.view, self.resolution);
             let image = if smoothed { eye.detector.smoothed(&frame.gray()) } else { frame.gray() };
-            finder.add(camera, &image, red(frame), eye.detector.segments(&eye.detected));
+            add(&mut finder, camera, &image, red(frame), eye.detector.segments(&eye.detected));
         }
-        let sighting = finder.finish(&mut self.windows);
+        let sighting = finish(finder, &mut self.windows);
         self.considered = [sighting.uprights, sighting.boxes];
         let windows = &self.windows[..sighting.count];
         Ok(Seen { sighting, windows, level })
@@ -278,6 +279,24 @@ impl Eyes {
     pub fn ring(&self) -> Vec<u8> {
         let (columns, rows) = (self.resolution.columns(), self.resolution.rows());
         (0..columns * rows).map(|i| self.gray[i % columns * rows + i / columns]).collect()
+    }
+}
+
+wide! {
+    /// [`Finder::add`].
+    fn add(
+        finder: &mut Finder<'_, '_>,
+        camera: usize,
+        image: &GrayImage<'_>,
+        red: Red<'_>,
+        segments: &[Segment],
+    ) {
+        finder.add(camera, image, red, segments);
+    }
+
+    /// [`Finder::finish`].
+    fn finish(finder: Finder<'_, '_>, windows: &mut [Window]) -> Sighting {
+        finder.finish(windows)
     }
 }
 

@@ -1,6 +1,7 @@
 //! Camera frames: an image file as the gray and colour rasters that the core looks at.
 
 use crate::image_file::{self, ImageFileError, Samples};
+use crate::wide::wide;
 use compass_core::raster::{BitMask, GrayImage};
 use compass_core::segments::{self, Detected, Parameters, Segment, SegmentsError, Workspace};
 use std::path::Path;
@@ -126,32 +127,17 @@ impl SegmentDetector {
     }
 }
 
-/// [`segments::detect`] with the widest vectors that this machine has; the result is the same.
-fn detect(
-    image: &GrayImage<'_>,
-    mask: Option<&BitMask<'_>>,
-    parameters: &Parameters,
-    workspace: &mut Workspace<'_>,
-    found: &mut [Segment],
-) -> Result<Detected, SegmentsError> {
-    #[cfg(target_arch = "x86_64")]
-    {
-        #[target_feature(enable = "avx2")]
-        fn wide(
-            image: &GrayImage<'_>,
-            mask: Option<&BitMask<'_>>,
-            parameters: &Parameters,
-            workspace: &mut Workspace<'_>,
-            found: &mut [Segment],
-        ) -> Result<Detected, SegmentsError> {
-            segments::detect(image, mask, parameters, workspace, found)
-        }
-        if std::arch::is_x86_feature_detected!("avx2") {
-            // SAFETY: the machine has AVX2, which is all that the function asks for.
-            return unsafe { wide(image, mask, parameters, workspace, found) };
-        }
+wide! {
+    /// [`segments::detect`] with the widest vectors that this machine has; the result is the same.
+    fn detect(
+        image: &GrayImage<'_>,
+        mask: Option<&BitMask<'_>>,
+        parameters: &Parameters,
+        workspace: &mut Workspace<'_>,
+        found: &mut [Segment],
+    ) -> Result<Detected, SegmentsError> {
+        segments::detect(image, mask, parameters, workspace, found)
     }
-    segments::detect(image, mask, parameters, workspace, found)
 }
 
 #[cfg(test)]

@@ -29,19 +29,18 @@ pub(super) fn gradient_row([above, row, below]: [&[u8]; 3], threshold: u16, cell
     cells[n + 1] = 0;
 }
 
-/// Clears the cells of row `y` outside `mask`.
+/// Clears the cells of row `y` outside `mask`, without branches: eight cells make a vector.
+#[inline(always)]
 pub(super) fn mask_row(mask: &BitMask<'_>, y: u32, cells: &mut [u16]) {
-    for (column, cells) in (0..).zip(cells.chunks_mut(8)) {
-        match mask.byte(column, y) {
-            0xff => {}
-            0 => cells.fill(0),
-            bits => {
-                for (bit, cell) in cells.iter_mut().enumerate() {
-                    if bits >> bit & 1 == 0 {
-                        *cell = 0;
-                    }
-                }
-            }
+    let clear = |bits: u8, cells: &mut [u16]| {
+        for (bit, cell) in cells.iter_mut().enumerate() {
+            *cell &= (u16::from(bits) >> bit & 1).wrapping_neg();
         }
+    };
+    let (eights, rest) = cells.as_chunks_mut::<8>();
+    let mut bytes = mask.row(y).iter();
+    for (cells, bits) in eights.iter_mut().zip(&mut bytes) {
+        clear(*bits, cells);
     }
+    clear(bytes.next().copied().unwrap_or(0), rest);
 }

@@ -131,7 +131,9 @@ impl<'a, 'r> Finder<'a, 'r> {
         Some(Self { buffers, resolution, rig, level, uprights: 0, truncated: false })
     }
 
+    // Inlined down to the loops over cells, as [`crate::segments::detect`] is and for the same reason.
     /// Adds what one camera sees: its frame, or the smoothed one where [`wants_smoothed`] says so, and its segments.
+    #[inline(always)]
     pub fn add(&mut self, camera: usize, image: &GrayImage<'_>, red: Red<'_>, segments: &[Segment]) {
         let Some(view) = self.rig.view(camera) else { return };
         ring::draw(self.buffers.gray, self.resolution, self.rig, camera, self.level, (image, red));
@@ -147,6 +149,7 @@ impl<'a, 'r> Finder<'a, 'r> {
     }
 
     /// Finds the windows, at most as many as `windows` holds, from left to right around the circle.
+    #[inline(always)]
     pub fn finish(mut self, windows: &mut [Window]) -> Sighting {
         planes::normalize(self.buffers.gray, self.buffers.texture, self.resolution);
         let planes =
@@ -240,6 +243,7 @@ pub fn wants_smoothed(view: &crate::camera::View, resolution: Resolution) -> boo
 }
 
 /// All pairs of edges that may be windows, scored; their number, and whether there was room for all.
+#[inline(always)]
 fn propose(planes: &Planes<'_>, edges: &[Edge], boxes: &mut [WindowBox]) -> (usize, bool) {
     let fine = FINE * planes.resolution.per_degree() as i32;
     let (turn, widest) = (360 * fine, WIDEST_DEG as i32 * fine);
@@ -264,6 +268,7 @@ fn propose(planes: &Planes<'_>, edges: &[Edge], boxes: &mut [WindowBox]) -> (usi
 }
 
 /// Known cells of a column between two elevations, and how many there are.
+#[inline(always)]
 fn known(planes: &Planes<'_>, column: usize, [low, high]: [i32; 2]) -> (usize, usize) {
     let resolution = planes.resolution;
     let row = |elevation: i32| (TOP_DEG - elevation) as usize * resolution.per_degree();

@@ -8,9 +8,13 @@ const BAND_DEG: i32 = 15;
 const TEXTURE_PERCENT: u32 = 90;
 /// Full texture is at least this many gray levels: below is noise.
 const LEAST_TEXTURE: usize = 4;
+/// Gray levels that count as over-exposed. By day that is the outdoors, of which the frame shows no texture, while the
+/// wall beside it may be nearly as bright and has some.
+const GLARE: u8 = 245;
 
 /// Turns the gray levels of a ring into ranks, 1 (darkest of the frame) to 255, 0 where nothing is known; and fills
-/// `texture` with the vertical gradient, 0 to 255 (as strong as a tenth of the frame has).
+/// `texture` with the vertical gradient, 0 to 255 (as strong as a tenth of the frame has, or over-exposed).
+#[inline(always)]
 pub(super) fn normalize(gray: &mut [u8], texture: &mut [u8], resolution: Resolution) {
     let rows = resolution.rows();
     erode(gray, texture, rows);
@@ -27,10 +31,12 @@ pub(super) fn normalize(gray: &mut [u8], texture: &mut [u8], resolution: Resolut
         }
     }
     let ranks = ranks(&levels);
-    gray.iter_mut().for_each(|level| *level = ranks[usize::from(*level)]);
     let full = percentile(&gradients).max(LEAST_TEXTURE);
     let shares: [u8; 256] = core::array::from_fn(|gradient| (255 * gradient / full).min(255) as u8);
-    texture.iter_mut().for_each(|gradient| *gradient = shares[usize::from(*gradient)]);
+    for (level, texture) in gray.iter_mut().zip(texture) {
+        *texture = if *level >= GLARE { 255 } else { shares[usize::from(*texture)] };
+        *level = ranks[usize::from(*level)];
+    }
 }
 
 /// Rows that statistics come from.
@@ -40,6 +46,7 @@ fn band(resolution: Resolution) -> core::ops::Range<usize> {
 }
 
 /// Clears the cells beside unknown ones: what borders safety gear is still partly red. Uses `lost` as scratch.
+#[inline(always)]
 fn erode(gray: &mut [u8], lost: &mut [u8], rows: usize) {
     let columns = gray.chunks_exact(rows);
     let left = columns.clone().next_back().into_iter().chain(columns.clone());
@@ -61,6 +68,7 @@ fn erode(gray: &mut [u8], lost: &mut [u8], rows: usize) {
 }
 
 /// |level above - level below|; 0 where one of the three is unknown.
+#[inline(always)]
 fn vertical_gradient(gray: &[u8], texture: &mut [u8], rows: usize) {
     for (gray, texture) in gray.chunks_exact(rows).zip(texture.chunks_exact_mut(rows)) {
         texture.fill(0);
@@ -108,7 +116,7 @@ mod tests {
         let resolution = Resolution::COARSE;
         let (columns, rows) = (resolution.columns(), resolution.rows());
         // A quarter of all columns is bright, whatever its level.
-        for bright in [60, 120, 250] {
+        for bright in [60, 120, 240] {
             let mut gray: vec::Vec<u8> =
                 (0..resolution.cells()).map(|i| if i / rows < columns / 4 { bright } else { 40 }).collect();
             let mut texture = vec![9; gray.len()];
@@ -116,6 +124,20 @@ mod tests {
             assert_eq!((gray[10 * rows + 40], gray[columns / 2 * rows + 40]), (223, 96));
             assert!(texture.iter().all(|t| *t == 0));
         }
+    }
+
+    #[test]
+    fn over_exposed_is_textured() {
+        let resolution = Resolution::COARSE;
+        let rows = resolution.rows();
+        let mut gray: vec::Vec<u8> =
+            (0..resolution.cells()).map(|i| GLARE - u8::from(i / rows % 7 == 3)).collect();
+        let exposed: vec::Vec<_> = gray.iter().map(|level| *level >= GLARE).collect();
+        let mut texture = vec![9; gray.len()];
+        normalize(&mut gray, &mut texture, resolution);
+        assert!(
+            texture.iter().zip(exposed).all(|(texture, exposed)| *texture == if exposed { 255 } else { 0 })
+        );
     }
 
     #[test]

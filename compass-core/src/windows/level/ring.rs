@@ -131,8 +131,11 @@ pub enum Red<'a> {
 }
 
 impl Red<'_> {
-    #[inline]
-    fn at(&self, x: u32, y: u32) -> bool {
+    /// At a position in 1/256 px.
+    #[inline(always)]
+    fn at(&self, x: i32, y: i32) -> bool {
+        // What is left of the image or above it lies beyond its other border as well.
+        let (x, y) = ((x >> SUBPIXEL) as u32, (y >> SUBPIXEL) as u32);
         match self {
             Self::Unknown => false,
             Self::Colours(image) => is_red(image.pixel(x, y)),
@@ -191,6 +194,7 @@ impl<'a> Projector<'a> {
 /// gear is, are left as they are.
 ///
 /// The camera nearest to a bearing by its axis has it; `rig` must therefore hold those that are in use.
+#[inline(always)]
 pub(super) fn draw(
     cells: &mut [u8],
     resolution: Resolution,
@@ -215,15 +219,23 @@ pub(super) fn draw(
             let (&[a, c], &[b, d]) = (left, right) else { continue };
             let corners = [a, b, c, d];
             if corners.iter().all(|n| n.usable) && corners.iter().any(|n| n.lead > 0) {
-                draw_patch(cells, resolution, (column, row), &corners, image, red);
+                let place = (column, row);
+                if resolution == Resolution::FINE {
+                    draw_patch::<{ 4 * GRID_DEG }>(cells, resolution, place, &corners, image, red);
+                } else {
+                    draw_patch::<{ 2 * GRID_DEG }>(cells, resolution, place, &corners, image, red);
+                }
             }
         }
         left = right;
     }
 }
 
-/// Draws the cells between four nodes: upper left, upper right, lower left, lower right.
-fn draw_patch(
+/// Draws the cells between four nodes, `SIDE` a side: upper left, upper right, lower left, lower right.
+///
+/// A column at a time, in arrays: positions and levels then come in vectors, and only the pixels one by one.
+#[inline(always)]
+fn draw_patch<const SIDE: usize>(
     cells: &mut [u8],
     resolution: Resolution,
     (column, row): (usize, usize),
@@ -231,24 +243,50 @@ fn draw_patch(
     image: &GrayImage<'_>,
     red: Red<'_>,
 ) {
-    let side = GRID_DEG * resolution.per_degree();
-    // Cell centres lie at odd halves of cells, so weights are of `2 side`, a power of two.
-    let bits = side.trailing_zeros() + 1;
-    let twice = 2 * side as i32;
-    let top = row * side;
-    let height = side.min(resolution.rows().saturating_sub(top));
-    for u in 0..side {
+    // Cell centres lie at odd halves of cells, so weights are of `2 SIDE`, a power of two.
+    let bits = SIDE.trailing_zeros() + 1;
+    let twice = 2 * SIDE as i32;
+    let top = row * SIDE;
+    let height = SIDE.min(resolution.rows().saturating_sub(top));
+    // Red is looked for in every other cell of every other column, and taken to be around it.
+    let mut hidden = [false; SIDE];
+    for u in 0..SIDE {
         let wx = 2 * u as i32 + 1;
         let blend = |left: i32, right: i32| left * (twice - wx) + right * wx;
-        let upper = [blend(a.x, b.x), blend(a.y, b.y), blend(a.lead, b.lead)];
-        let lower = [blend(c.x, d.x), blend(c.y, d.y), blend(c.lead, d.lead)];
-        let start = (column * side + u) * resolution.rows() + top;
-        for (v, cell) in cells.get_mut(start..start + height).unwrap_or(&mut []).iter_mut().enumerate() {
-            let wy = 2 * v as i32 + 1;
-            let at = |k: usize| (upper[k] * (twice - wy) + lower[k] * wy) >> (2 * bits);
-            if at(2) > 0 {
-                *cell = look(image, red, at(0), at(1));
+        let down = |upper: i32, lower: i32| {
+            let mut places = [0; SIDE];
+            for (v, place) in places.iter_mut().enumerate() {
+                let wy = 2 * v as i32 + 1;
+                *place = (upper * (twice - wy) + lower * wy) >> (2 * bits);
             }
+            places
+        };
+        let x = down(blend(a.x, b.x), blend(c.x, d.x));
+        let y = down(blend(a.y, b.y), blend(c.y, d.y));
+        let lead = down(blend(a.lead, b.lead), blend(c.lead, d.lead));
+        let [mut upper_left, mut upper_right, mut lower_left, mut lower_right] = [[0; SIDE]; 4];
+        let mut seen = [0; SIDE];
+        for v in 0..height {
+            if v % 2 == 0 && u % 2 == 0 {
+                hidden[v] = red.at(x[v], y[v]);
+            }
+            if lead[v] > 0
+                && !hidden[v & !1]
+                && let Some(four) = around(image, x[v], y[v])
+            {
+                [upper_left[v], upper_right[v], lower_left[v], lower_right[v]] = four;
+                seen[v] = u8::MAX;
+            }
+        }
+        let mut levels = [0; SIDE];
+        for (v, level) in levels.iter_mut().enumerate() {
+            let four = [upper_left[v], upper_right[v], lower_left[v], lower_right[v]];
+            *level = between(four, x[v], y[v]) & seen[v];
+        }
+        let start = (column * SIDE + u) * resolution.rows() + top;
+        let cells = cells.get_mut(start..start + height).unwrap_or(&mut []);
+        for ((cell, level), lead) in cells.iter_mut().zip(levels).zip(lead) {
+            *cell = if lead > 0 { level } else { *cell };
         }
     }
 }
@@ -256,20 +294,32 @@ fn draw_patch(
 /// The gray level at a position, 1 to 255; 0 within a pixel of the image's border, outside it, or on red.
 #[inline(always)]
 pub(crate) fn look(image: &GrayImage<'_>, red: Red<'_>, x: i32, y: i32) -> u8 {
+    let four = around(image, x, y).filter(|_| !red.at(x, y));
+    four.map_or(0, |four| between(four, x, y))
+}
+
+/// The four pixels around a position; `None` within a pixel of the image's border or outside it.
+#[inline(always)]
+fn around(image: &GrayImage<'_>, x: i32, y: i32) -> Option<[u8; 4]> {
     let (column, row) = (x >> SUBPIXEL, y >> SUBPIXEL);
     let width = image.width() as usize;
     if column < 1 || row < 1 || column + 2 >= width as i32 || row + 2 >= image.height() as i32 {
-        return 0;
+        return None;
     }
     let start = row as usize * width + column as usize;
-    let pixels = image.pixels();
-    let (Some([a, b, ..]), Some([c, d, ..])) = (pixels.get(start..), pixels.get(start + width..)) else {
-        return 0;
-    };
-    let [a, b, c, d] = [a, b, c, d].map(|p| i32::from(*p));
+    match image.pixels().get(start..start + width + 2) {
+        Some([a, b, .., c, d]) => Some([*a, *b, *c, *d]),
+        _ => None,
+    }
+}
+
+/// The gray level at a position between four pixels, 1 to 255.
+#[inline(always)]
+fn between(four: [u8; 4], x: i32, y: i32) -> u8 {
+    let [a, b, c, d] = four.map(i32::from);
     let (wx, wy) = (x & 0xff, y & 0xff);
     let top = (a << 8) + (b - a) * wx;
     let bottom = (c << 8) + (d - c) * wx;
     let gray = ((top << 8) + (bottom - top) * wy + (1 << 15)) >> 16;
-    if red.at(column as u32, row as u32) { 0 } else { gray.clamp(1, 255) as u8 }
+    gray.clamp(1, 255) as u8
 }
