@@ -23,3 +23,4 @@ pub mod sample;
 pub mod simulate;
 pub mod site;
 pub mod site_file;
+pub mod surroundings;
