@@ -1,9 +1,12 @@
 //! Ranges and headings from rendered pairs against the plan they were rendered from: needs `COMPASS_DATA`.
 //!
-//! The frames show the building between its shell and its finished state: some partitions of the plan are missing. A
-//! wall surely stands where the plan as drawn and its structure alone meet one at the same range (within 5 %): errors
-//! count there, and what hides the wall (clutter, an operator) counts as an error. Where the two differ it is not
-//! known which one is seen; those bins count only in the share within 10 % of either, which judges the confidence.
+//! The frames show the building between its shell and its finished state: partitions of the plan are missing, walls that
+//! the operator walked through as well, and clutter hides others. What is visible is therefore told in two ways:
+//!
+//! - *seen*: the answer lies within 20 % of the range in the plan as drawn, or in its structure alone. This judges how
+//!   exact ranges are, not how often they are right.
+//! - *sure*: both layers meet something at one range (within 5 %) of 1 to 8 m. Nothing is known of the answer here, and
+//!   what hides the wall counts as an error.
 
 use compass_core::boundary::height_rungs;
 use compass_core::camera::Bearing;
@@ -24,18 +27,22 @@ use compass_host::surroundings::Surroundings;
 use compass_tests::{angle, recordings};
 use std::path::Path;
 
-/// Ranges are judged up to here, metres.
-const FARTHEST_M: f64 = 8.0;
-/// Layers that differ by less show one wall.
+/// Ranges are judged from and to here, metres: nearer walls are those that the operator walked through.
+const RANGES_M: [f64; 2] = [1.0, 8.0];
+/// Layers that differ by less show one wall, and an answer that differs by less from a layer has seen its wall.
 const SAME: f64 = 0.05;
+const SEEN: f64 = 0.2;
 
-/// Largest median relative error of range where the wall surely stands, and least share of bins with an answer.
-const MEDIAN: f64 = 0.05;
-const ANSWERED: f64 = 0.85;
-/// Least share within 10 % of the bins of confidence above 3/4.
-const SURE: f64 = 0.6;
-/// Pairs, of eight, whose heading the evidence table finds at the true position within [`TURN_DEG`] at least.
-const HEADINGS: usize = 6;
+/// Largest median relative error of ranges seen, and of walls that are surely there. Measured: 0.025 and 0.032.
+const MEDIAN: [f64; 2] = [0.04, 0.05];
+/// Least share of bins with an answer, and of the answers that are seen. Measured: 1 and 0.7.
+const ANSWERED: f64 = 0.95;
+const SEEN_SHARE: f64 = 0.6;
+/// Least share within 10 % of a layer of the bins of confidence above 3/4. Measured: 0.624.
+const SURE: f64 = 0.55;
+/// Pairs, of eight, whose heading is found at the true position within [`TURN_DEG`], at least: by hit type, range, all
+/// channels, and the table of evidence. Measured: 8, 4, 8, 8.
+const HEADINGS: [usize; 4] = [7, 3, 7, 7];
 const TURN_DEG: f64 = 2.0;
 
 /// The plan as drawn and its structure.
@@ -97,16 +104,36 @@ fn metres(scan: &Scan, bin: usize) -> f64 {
 }
 
 impl Look {
-    /// The range of the wall that surely stands in a bin.
-    fn certain(&self, bin: usize) -> Option<f64> {
+    /// The range of what surely stands in a bin.
+    fn sure(&self, bin: usize) -> Option<f64> {
         let [Some(plan), Some(structure)] = &self.ahead else { return None };
         let (a, b) = (metres(plan, bin), metres(structure, bin));
-        ((a - b).abs() <= SAME * b && a < FARTHEST_M && plan.hit[bin] != Hit::Open).then_some(a)
+        let [least, most] = RANGES_M;
+        ((a - b).abs() <= SAME * b && (least..most).contains(&a)).then_some(a)
     }
 
-    /// Whether a range lies within 10 % of a layer's.
-    fn agrees(&self, bin: usize, range: f64) -> bool {
-        self.ahead.iter().flatten().any(|scan| (range / metres(scan, bin) - 1.0).abs() <= 0.1)
+    /// Relative error of a bin's range against the layer it is nearer to, of those that the range can be judged by.
+    fn nearest_error(&self, bin: usize) -> Option<f64> {
+        let range = f64::from(self.seen.ranges[bin]?.metres);
+        let [least, most] = RANGES_M;
+        let truths = self.ahead.iter().flatten().map(|scan| metres(scan, bin));
+        let errors = truths.filter(|truth| (least..most).contains(truth)).map(|truth| range / truth - 1.0);
+        errors.min_by(|a, b| a.abs().total_cmp(&b.abs()))
+    }
+
+    /// Relative errors where something surely stands, of the hit type and at the ranges asked for.
+    fn sure_errors(&self, hit: Hit, within: [f64; 2]) -> Vec<f64> {
+        let error = |bin: usize| {
+            let truth = self.sure(bin).filter(|truth| (within[0]..within[1]).contains(truth))?;
+            let of_kind = self.ahead.iter().flatten().all(|scan| scan.hit[bin] == hit);
+            let range = self.seen.ranges[bin].filter(|_| of_kind)?;
+            Some(f64::from(range.metres) / truth - 1.0)
+        };
+        (0..360).filter_map(error).collect()
+    }
+
+    fn seen_errors(&self) -> Vec<f64> {
+        (0..360).filter_map(|bin| self.nearest_error(bin).filter(|error| error.abs() <= SEEN)).collect()
     }
 
     /// Degrees by which the heading of the highest score is off; of both layers the one that scores higher counts.
@@ -148,17 +175,27 @@ fn share(count: usize, of: usize) -> f64 {
     count as f64 / of.max(1) as f64
 }
 
-/// Relative errors of range of the bins where a wall surely stands.
-fn errors(look: &Look, within: impl Fn(f64) -> bool) -> Vec<f64> {
-    let of = |bin: usize| {
-        let truth = look.certain(bin).filter(|truth| within(*truth))?;
-        Some(f64::from(look.seen.ranges[bin]?.metres) / truth - 1.0)
-    };
-    (0..360).filter_map(of).collect()
+/// Number, median, median magnitude, and share within 10 %.
+struct Summary {
+    count: usize,
+    median: f64,
+    magnitude: f64,
+    near: f64,
 }
 
-fn magnitudes(errors: &[f64]) -> Vec<f64> {
-    errors.iter().map(|error| error.abs()).collect()
+impl Summary {
+    fn new(errors: Vec<f64>) -> Self {
+        let near = share(errors.iter().filter(|error| error.abs() <= 0.1).count(), errors.len());
+        let magnitude = median(errors.iter().map(|error| error.abs()).collect());
+        Self { count: errors.len(), median: median(errors), magnitude, near }
+    }
+}
+
+impl std::fmt::Display for Summary {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { count, median, magnitude, near } = self;
+        write!(f, "{count:4} bins, median {median:+.3}, of magnitude {magnitude:.3}, {near:.2} within 10 %")
+    }
 }
 
 #[test]
@@ -166,47 +203,33 @@ fn ranges_are_those_of_the_plan() {
     let Some(data) = recordings("ranges_are_those_of_the_plan") else { return };
     let looks = looks(&data);
     assert_eq!(looks.len(), 8);
-    println!(
-        "pair: bins with a range; of a wall that surely stands below 8 m; median error, median of its magnitude, share within 10 %; ceiling"
-    );
-    let mut all = Vec::new();
-    let mut answered = 0;
     for look in &looks {
-        let known = look.seen.ranges.iter().flatten().count();
-        let found = errors(look, |_| true);
+        let [x, y] = [look.pose.position.x, look.pose.position.y];
         println!(
-            "{:5.1} {:5.1}: {known} {:4}  {:+6.3} {:6.3} {:5.2}  ceiling {:.2} m of camera {:.2} m",
-            look.pose.position.x,
-            look.pose.position.y,
-            found.len(),
-            median(found.clone()),
-            median(magnitudes(&found)),
-            share(found.iter().filter(|e| e.abs() <= 0.1).count(), found.len()),
-            look.seen.height.ceiling_m,
-            look.seen.height.camera_m,
+            "{x:5.1} {y:5.1}: camera {:.2} m, room {:.2} m",
+            look.seen.height.camera_m, look.seen.height.ceiling_m
         );
-        answered += known;
-        all.extend(found);
+        println!("  seen         {}", Summary::new(look.seen_errors()));
+        println!("  sure wall    {}", Summary::new(look.sure_errors(Hit::Wall, RANGES_M)));
+        println!("  sure window  {}", Summary::new(look.sure_errors(Hit::Window, RANGES_M)));
     }
-    for [least, most] in [[0.0, 1.0], [1.0, 2.0], [2.0, 3.0], [3.0, 4.0], [4.0, 6.0], [6.0, 8.0]] {
-        let band: Vec<_> = looks.iter().flat_map(|l| errors(l, |t| (least..most).contains(&t))).collect();
-        let near: Vec<_> = band.iter().copied().filter(|e| e.abs() < 0.2).collect();
-        println!(
-            "{least} to {most} m: {} bins, median error {:+.3} (of those within 20 % {:+.3}), of its magnitude {:.3}",
-            band.len(),
-            median(band.clone()),
-            median(near),
-            median(magnitudes(&band))
-        );
+    for band in [[1.0, 2.0], [2.0, 3.0], [3.0, 4.0], [4.0, 6.0], [6.0, 8.0]] {
+        for hit in [Hit::Wall, Hit::Window] {
+            let errors = looks.iter().flat_map(|look| look.sure_errors(hit, band)).collect();
+            println!("{band:?} m, sure {hit:?}: {}", Summary::new(errors));
+        }
     }
-    let (worst, answered) = (median(magnitudes(&all)), share(answered, 8 * 360));
+    let answers = looks.iter().flat_map(|look| &look.seen.ranges).flatten().count();
+    let judged = looks.iter().flat_map(|look| (0..360).filter_map(|bin| look.nearest_error(bin))).count();
+    let seen = Summary::new(looks.iter().flat_map(Look::seen_errors).collect());
+    let walls = Summary::new(looks.iter().flat_map(|look| look.sure_errors(Hit::Wall, RANGES_M)).collect());
+    let (answered, seen_share) = (share(answers, 8 * 360), share(seen.count, judged));
     println!(
-        "all: {} bins, median error {:+.3}, of its magnitude {worst:.3}; answered {answered:.3}",
-        all.len(),
-        median(all.clone())
+        "all: answered {answered:.3}, seen {seen_share:.3} of {judged}\n  seen       {seen}\n  sure wall  {walls}"
     );
-    assert!(all.len() > 500 && worst <= MEDIAN, "{} bins, {worst}", all.len());
-    assert!(answered >= ANSWERED, "{answered}");
+    assert!(answered >= ANSWERED && seen_share >= SEEN_SHARE, "{answered} {seen_share}");
+    assert!(seen.count > 800 && seen.magnitude <= MEDIAN[0], "{seen}");
+    assert!(walls.count > 300 && walls.magnitude <= MEDIAN[1], "{walls}");
     confidence_is_earned(&looks);
 }
 
@@ -216,7 +239,9 @@ fn confidence_is_earned(looks: &[Look]) {
     for look in looks {
         for (bin, range) in look.seen.ranges.iter().enumerate().filter_map(|(bin, r)| Some((bin, (*r)?))) {
             let class = ((range.confidence * 4.0) as usize).min(3);
-            classes[class][0] += usize::from(look.agrees(bin, f64::from(range.metres)));
+            let metres = f64::from(range.metres);
+            let agrees = |scan: &Scan| (metres / self::metres(scan, bin) - 1.0).abs() <= 0.1;
+            classes[class][0] += usize::from(look.ahead.iter().flatten().any(agrees));
             classes[class][1] += 1;
             sums[class] += f64::from(range.confidence);
         }
@@ -251,5 +276,5 @@ fn headings_are_found_at_the_true_position() {
         within.iter_mut().zip(off).for_each(|(count, off)| *count += usize::from(off <= TURN_DEG));
     }
     println!("within {TURN_DEG} degrees: {within:?} of {}", looks.len());
-    assert!(within[3] >= HEADINGS, "{within:?}");
+    assert!(within.iter().zip(HEADINGS).all(|(found, least)| *found >= least), "{within:?}");
 }

@@ -25,8 +25,9 @@ pub struct PanoramaPicture<'a> {
 
 /// Elevations shown: from minus to plus so many degrees.
 const REACH_DEG: f64 = 50.0;
-/// Space to the left of the view for the elevations, above each half, and for the azimuths below it.
+/// Space to the left of the view for the elevations, above it, between its halves, and for the azimuths below each.
 const BESIDE: f64 = 76.0;
+const ABOVE: f64 = 16.0;
 const BETWEEN: f64 = 24.0;
 const AZIMUTHS: f64 = 44.0;
 /// A plan's boundary is broken where the range changes by more than this ratio.
@@ -57,11 +58,11 @@ pub fn draw_panorama(
         path,
         caption: "Where walls meet floor and ceiling, ahead (above) and behind (below), by azimuth and elevation",
         legend: data.legend(),
-        body: 2.0 * (height + BETWEEN),
+        body: ABOVE + 2.0 * (height + BETWEEN),
     };
     page.draw(|canvas, body| {
         for (n, from_deg) in [90.0, -90.0].into_iter().enumerate() {
-            let top = body.top + n as f64 * (height + BETWEEN);
+            let top = body.top + ABOVE + n as f64 * (height + BETWEEN);
             let frame =
                 Rect { left: body.left + BESIDE, top, right: body.right - 4.0, bottom: top + half_height() };
             let half = Half { data, frame, from_deg };
@@ -117,7 +118,7 @@ struct Half<'a> {
 
 impl Half<'_> {
     fn y_px(&self, elevation_deg: f64) -> f64 {
-        (self.frame.top + (REACH_DEG - elevation_deg) * scale()).clamp(self.frame.top, self.frame.bottom)
+        self.frame.top + (REACH_DEG - elevation_deg) * scale()
     }
 
     /// Pixel columns between two azimuths, the right one first, as far as they are in this half.
@@ -156,7 +157,7 @@ impl Half<'_> {
     fn draw_found(&self, canvas: &Canvas<'_>) -> Drawn {
         for [azimuths, [sill, lintel]] in self.data.windows {
             for [left, right] in self.span(*azimuths) {
-                let (top, bottom) = (self.y_px(*lintel), self.y_px(*sill));
+                let [top, bottom] = [*lintel, *sill].map(|e| self.y_px(e.clamp(-REACH_DEG, REACH_DEG)));
                 canvas.outline(Rect { left, top, right, bottom }, Pen::solid(INK, 6.0))?;
                 canvas.outline(Rect { left, top, right, bottom }, Pen::solid(WINDOWS, 3.0))?;
             }
@@ -169,7 +170,11 @@ impl Half<'_> {
                 self.data.ranges.iter().enumerate().filter_map(|(b, r)| Some((b, (*r)?)))
             {
                 let pen = if halo { Pen::solid(INK, 9.0) } else { Pen::solid(FOUND[class(sure)].1, 5.0) };
-                let y = self.y_px(self.data.boundaries(range_m)[surface]);
+                let elevation = self.data.boundaries(range_m)[surface];
+                if elevation.abs() > REACH_DEG {
+                    continue;
+                }
+                let y = self.y_px(elevation);
                 let azimuth = bin as f64;
                 for [left, right] in self.span([azimuth - 0.5, azimuth + 0.5]) {
                     canvas.line(&[[left, y], [right, y]], pen)?;
@@ -188,13 +193,17 @@ impl Half<'_> {
             for turn in 0..=180 {
                 let azimuth = self.from_deg - f64::from(turn);
                 let range = plan[(azimuth.rem_euclid(360.0)) as usize];
-                if range / before > JUMP || before / range > JUMP {
+                let elevation = self.data.boundaries(range)[surface];
+                let shown = elevation.abs() <= REACH_DEG;
+                if range / before > JUMP || before / range > JUMP || !shown {
                     canvas.line(&piece, pen)?;
                     piece.clear();
                 }
                 before = range;
-                let x = self.frame.left + f64::from(turn) * scale();
-                piece.push([x, self.y_px(self.data.boundaries(range)[surface])]);
+                if shown {
+                    let x = self.frame.left + f64::from(turn) * scale();
+                    piece.push([x, self.y_px(elevation)]);
+                }
             }
             canvas.line(&piece, pen)?;
         }
