@@ -4,6 +4,7 @@
 
 pub mod camera;
 pub mod segments;
+pub mod sight;
 
 use crate::plan_import::PlanRaster;
 use crate::reference;

@@ -2,7 +2,7 @@
 
 use crate::frame::{Frame, MAX_SEGMENTS, SegmentDetector};
 use crate::wide::wide;
-use compass_core::attitude::{self, Arc, Hint, LEAST_INLIERS, Vertical};
+use compass_core::attitude::{self, Arc, Axes, Hint, LEAST_INLIERS, Vertical};
 use compass_core::boundary::{self, Ranges, Surveyor};
 use compass_core::camera::{Bearing, Rig, View};
 use compass_core::raster::{BitMask, GrayImage, RgbImage};
@@ -78,6 +78,7 @@ pub struct Eyes {
     resolution: Resolution,
     eyes: [Option<Eye>; 2],
     arcs: Vec<Arc>,
+    arc_count: usize,
     gray: Vec<u8>,
     texture: Vec<u8>,
     columns: Vec<Column>,
@@ -113,6 +114,7 @@ impl Eyes {
             resolution,
             eyes,
             arcs: vec![Arc::default(); 2 * MAX_SEGMENTS],
+            arc_count: 0,
             gray: vec![0; resolution.cells()],
             texture: vec![0; resolution.cells()],
             columns: vec![Column::default(); resolution.columns() + 1],
@@ -213,35 +215,58 @@ impl Eyes {
     /// Finds which way is up from the segments just detected, near the vertical of cam0's image.
     ///
     /// # Errors
-    /// [`EyesError::NoVertical`] if too few segments agree.
+    /// [`EyesError::NoVertical`] if too few segments agree; [`EyesError::NoSky`].
     pub fn vertical(&mut self, frames: [Option<&Frame>; 2], mount: Mount) -> Result<Vertical, EyesError> {
-        let mut count = 0;
-        for (camera, view) in self.rig.views() {
-            let Some(eye) = &self.eyes[camera] else { continue };
-            let arcs =
-                eye.detector.segments(&eye.detected).iter().filter_map(|s| Arc::new(s, view, camera as u8));
-            for (slot, arc) in self.arcs[count..].iter_mut().zip(arcs) {
-                *slot = arc;
-                count += 1;
-            }
-        }
-        let coarse = self.resolution == Resolution::COARSE;
-        let parameters = attitude::Parameters {
-            tolerance_deg: if coarse { 3.0 } else { 2.0 },
-            ..attitude::Parameters::default()
-        };
         let top = Bearing::new(0.0, -1.0, 0.0);
-        let hint = match mount {
+        let mut vertical = self.vertical_near(match mount {
             Mount::Upright => Hint::Up(top),
             Mount::Inverted => Hint::Up(-top),
             Mount::Auto => Hint::Axis(top),
-        };
-        let mut vertical =
-            attitude::vertical(&self.arcs[..count], hint, &parameters).ok_or(EyesError::NoVertical)?;
+        })?;
         if mount == Mount::Auto && !self.sky_is_up(frames, &vertical.up)? {
             vertical.up = -vertical.up;
         }
         Ok(vertical)
+    }
+
+    /// Finds which way is up from the segments just detected, near where it is said to be.
+    ///
+    /// # Errors
+    /// [`EyesError::NoVertical`] if too few segments agree.
+    pub fn vertical_near(&mut self, hint: Hint) -> Result<Vertical, EyesError> {
+        self.collect_arcs();
+        let parameters =
+            attitude::Parameters { tolerance_deg: self.tolerance_deg(), ..attitude::Parameters::default() };
+        attitude::vertical(self.arcs(), hint, &parameters).ok_or(EyesError::NoVertical)
+    }
+
+    /// Largest angle between a segment and the vertical that it points to, degrees.
+    #[must_use]
+    pub fn tolerance_deg(&self) -> f32 {
+        if self.resolution == Resolution::COARSE { 3.0 } else { 2.0 }
+    }
+
+    /// The building's axes, from the arcs that the vertical was just sought among.
+    #[must_use]
+    pub fn axes(&self, level: &Level) -> Option<Axes> {
+        attitude::building_axes(self.arcs(), level)
+    }
+
+    fn arcs(&self) -> &[Arc] {
+        &self.arcs[..self.arc_count]
+    }
+
+    fn collect_arcs(&mut self) {
+        self.arc_count = 0;
+        for (camera, view) in self.rig.views() {
+            let Some(eye) = &self.eyes[camera] else { continue };
+            let segments = eye.detector.segments(&eye.detected);
+            let arcs = segments.iter().filter_map(|s| Arc::new(s, view, camera as u8));
+            for (slot, arc) in self.arcs[self.arc_count..].iter_mut().zip(arcs) {
+                *slot = arc;
+                self.arc_count += 1;
+            }
+        }
     }
 
     /// Whether what is seen through the windows has the sky above.

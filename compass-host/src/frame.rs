@@ -2,6 +2,7 @@
 
 use crate::image_file::{self, ImageFileError, Samples};
 use crate::wide::wide;
+use compass_core::camera::Pixel;
 use compass_core::raster::{BitMask, GrayImage};
 use compass_core::segments::{self, Detected, Parameters, Segment, SegmentsError, Workspace};
 use std::path::Path;
@@ -58,6 +59,18 @@ impl Frame {
     #[must_use]
     pub fn gray(&self) -> GrayImage<'_> {
         GrayImage::new(&self.gray, self.width, self.height).expect("sides were checked")
+    }
+
+    /// The colour of the nearest pixel; `None` outside the frame.
+    #[must_use]
+    pub fn colour(&self, at: Pixel) -> Option<[u8; 3]> {
+        let inside = |v: f32, side: u32| (v > -0.5 && v < side as f32 - 0.5).then(|| v.round() as usize);
+        let (x, y) = (inside(at.x, self.width)?, inside(at.y, self.height)?);
+        let index = y * self.width as usize + x;
+        match &self.rgb {
+            Some(rgb) => rgb.as_chunks::<3>().0.get(index).copied(),
+            None => self.gray.get(index).map(|gray| [*gray; 3]),
+        }
     }
 
     /// Interleaved RGB, if the frame has colour.

@@ -23,4 +23,5 @@ pub mod sample;
 pub mod simulate;
 pub mod site;
 pub mod site_file;
+pub mod surroundings;
 mod wide;

@@ -1,7 +1,7 @@
 //! The `compass` command.
 
 use clap::Parser as _;
-use compass_host::commands::{Cli, Outcome};
+use compass_host::commands::{Cli, Disagreement, Outcome};
 use std::process::ExitCode;
 
 /// The chain of causes in one line; a cause that the message before it already ends with is not repeated.
@@ -24,7 +24,7 @@ fn main() -> ExitCode {
         Ok(Outcome::No) => ExitCode::from(1),
         Err(error) => {
             eprintln!("compass: {}", one_line(&error));
-            ExitCode::from(2)
+            ExitCode::from(if error.is::<Disagreement>() { 1 } else { 2 })
         }
     }
 }

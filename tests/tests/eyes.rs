@@ -1,5 +1,6 @@
 //! What the eyes make of frames rendered in the sample building, from the command line: the plan is the truth.
 
+use compass_host::calibration::NOMINAL_YAML;
 use compass_host::dataset::tum::Pose;
 use compass_tests::{Folder, angle, number, numbers, sample_frames, sample_plan};
 use image::RgbImage;
@@ -57,12 +58,18 @@ fn up_error_deg(result: &Value, pose: &Pose) -> f64 {
 fn hits(result: &Value) -> Vec<Option<&str>> {
     let hits: Vec<_> = result["hit"].as_array().unwrap().iter().map(Value::as_str).collect();
     let confidence = numbers(&result["confidence"]);
-    assert_eq!((hits.len(), confidence.len(), numbers(&result["evidence"]).len()), (360, 360, 360));
-    for (bin, (hit, confidence)) in hits.iter().zip(confidence).enumerate() {
+    let ranges: Vec<_> = result["range_m"].as_array().unwrap().iter().map(Value::as_f64).collect();
+    assert_eq!((hits.len(), confidence.len(), ranges.len()), (360, 360, 360));
+    assert_eq!(numbers(&result["evidence"]).len(), 360);
+    for (bin, ((hit, confidence), range)) in hits.iter().zip(confidence).zip(ranges).enumerate() {
         assert!((0.0..=1.0).contains(&confidence), "bin {bin}: {confidence}");
-        assert_eq!(hit.is_none(), confidence == 0.0, "bin {bin}: {hit:?} {confidence}");
-        assert!(hit.is_none_or(|hit| ["wall", "window"].contains(&hit)), "bin {bin}: {hit:?}");
+        assert!(range.map_or(confidence == 0.0, |r| (0.2..50.0).contains(&r)), "bin {bin}: {range:?}");
+        assert!(hit.is_none_or(|hit| ["wall", "window", "open"].contains(&hit)), "bin {bin}: {hit:?}");
     }
+    let channels = result["channels"].as_array().unwrap();
+    assert_eq!(channels.iter().map(|c| numbers(c).len()).collect::<Vec<_>>(), [360; 5]);
+    assert!(["given", "assumed"].contains(&result["camera_height"].as_str().unwrap()));
+    assert!(number(&result["camera_height_m"]) < number(&result["ceiling_height_m"]));
     hits
 }
 
@@ -133,7 +140,10 @@ fn up_is_found() {
         let sum: f64 = inliers.iter().map(number).sum();
         assert!(number(&gravity["inliers"]) == sum && sum >= 20.0, "{gravity}");
         assert!((0.0..UP_DEG).contains(&number(&gravity["residual_deg"])), "{gravity}");
-        assert!((0.0..1.0).contains(&number(&gravity["ambiguity"])), "{gravity}");
+        let [support, runner_up] = ["support", "runner_up"].map(|key| number(&gravity[key]));
+        assert!((0.0..support).contains(&runner_up) && support < 25.0 * sum, "{gravity}");
+        assert!((number(&gravity["ambiguity"]) - runner_up / support).abs() < 1e-5, "{gravity}");
+        axes_are_those_of_the_walls(&gravity, &pose);
 
         // The wrong side is not within reach of the hint.
         let ran = folder.run(&format!("gravity {rig} --mount upright --json wrong.json"));
@@ -141,6 +151,61 @@ fn up_is_found() {
             let wrong: Value = serde_json::from_slice(&folder.read("wrong.json")).unwrap();
             assert!(up_error_deg(&wrong, &pose) > 90.0, "{wrong}");
         }
+    }
+}
+
+/// The walls of the sample building run along x and y.
+fn axes_are_those_of_the_walls(gravity: &Value, pose: &Pose) {
+    let up = numbers(&gravity["up_in_cam0"]);
+    for axis in gravity["axes"].as_array().unwrap() {
+        let (azimuth, direction) = (number(&axis["azimuth_deg"]), numbers(&axis["in_cam0"]));
+        let off = (azimuth + pose.heading_deg() + 45.0).rem_euclid(90.0) - 45.0;
+        assert!(off.abs() < 2.0 && number(&axis["inliers"]) >= 5.0, "{off}: {gravity}");
+        let dot: f64 = up.iter().zip(&direction).map(|(a, b)| a * b).sum();
+        assert!(dot.abs() < 1e-5, "level: {gravity}");
+    }
+}
+
+#[test]
+fn the_imu_agrees_or_is_told_apart() {
+    let (folder, pose) = (Folder::new(), pose(0, 0.0));
+    let rig = folder.write_frames(&frames()[0]).replace("rig.yaml", "imu.yaml");
+    let same = "cam0:\n  T_cam_imu: [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]";
+    folder.write("imu.yaml", NOMINAL_YAML.replacen("cam0:", same, 1).as_bytes());
+    let up = pose.up_in_camera();
+    let reading =
+        |ns: u64, [x, y, z]: [f64; 3]| format!("{ns},0,0,0,{},{},{}\n", 9.81 * x, 9.81 * y, 9.81 * z);
+    // At rest for a second, then on its side.
+    let rows = reading(1_000_000_000, up.into()) + &reading(2_000_000_000, [0.0, 0.0, 1.0]);
+    folder.write("imu.csv", format!("#timestamp [ns],w,w,w,a,a,a\n{rows}").as_bytes());
+
+    let rest = format!("gravity {rig} --imu imu.csv --imu-seconds 0,1.5");
+    let both = folder.json(&rest);
+    assert_eq!(both["up_from"], "both");
+    assert_eq!(number(&both["imu"]["samples"]), 1.0);
+    assert!(up_error_deg(&both, &pose) < UP_DEG && number(&both["imu"]["agreement_deg"]) < UP_DEG, "{both}");
+    let alone = folder.json(&format!("{rest} --up-from imu"));
+    assert!(up_error_deg(&alone, &pose) < 1e-3 && alone["up_from"] == "imu", "{alone}");
+    let seen = folder.json(&format!("see {rig} --imu imu.csv --imu-seconds 0,1.5"));
+    assert!(up_error_deg(&seen, &pose) < UP_DEG);
+
+    for command in ["gravity", "see"] {
+        let moved = format!("{command} {rig} --imu imu.csv --imu-seconds 1.5,3");
+        let ran = folder.run(&moved);
+        assert_eq!(ran.status, Some(1), "{command}: {ran:?}");
+        assert!(ran.stderr.contains("image and IMU disagree on up by"), "{ran:?}");
+        let image = folder.run(&format!("{moved} --up-from image --mount inverted"));
+        assert_eq!((image.status, image.stderr.as_str()), (Some(0), ""), "{command}");
+        for (options, named) in [
+            ("--imu imu.csv --imu-seconds 5,6", "no reading from 5 to 6 s"),
+            ("--imu none.csv", "none.csv: cannot be read"),
+            ("--up-from imu", "--imu"),
+        ] {
+            let ran = folder.run(&format!("{command} {rig} {options}"));
+            assert!(ran.status == Some(2) && ran.stderr.contains(named), "{options}: {ran:?}");
+        }
+        let plain = folder.run(&format!("{command} {} --imu imu.csv", rig.replace("imu.yaml", "rig.yaml")));
+        assert!(plain.status == Some(2) && plain.stderr.contains("T_cam_imu"), "{plain:?}");
     }
 }
 

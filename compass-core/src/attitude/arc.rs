@@ -6,6 +6,8 @@ use crate::segments::Segment;
 
 /// Arcs end at least this near to the optical axis: cosine of 92 degrees.
 const RIM_COS: f32 = -0.034_899_5;
+/// Arcs whose middle is this near to a direction say nothing about it: cosine squared of 20 degrees.
+const NEAR: f32 = 0.883_022_2;
 /// Longer arcs weigh no more than this, degrees.
 const MOST_WEIGHT: f32 = 25.0;
 
@@ -48,4 +50,28 @@ impl Arc {
         let length = degrees(libm::atan2f(sin, a.dot(&b)));
         Some(Self { normal: normal / sin, middle: middle / double, weight: length.min(MOST_WEIGHT), camera })
     }
+
+    /// How well the arc points to a direction (a unit vector): 1 exactly, 0 at the tolerance and beyond, or within 20
+    /// degrees of its middle; a tolerance of 0.1 to 10 degrees.
+    #[must_use]
+    pub fn agreement(&self, direction: &Bearing, tolerance_deg: f32) -> f32 {
+        self.agrees(direction, sharpness(tolerance_deg))
+    }
+
+    /// The same from the [`sharpness`] of the tolerance.
+    ///
+    /// The residual is the least turn of the arc about its middle that makes it point there.
+    #[inline(always)]
+    pub(super) fn agrees(&self, direction: &Bearing, sharpness: f32) -> f32 {
+        let (off, near) = (self.normal.dot(direction), self.middle.dot(direction));
+        let room = 1.0 - near * near;
+        let residual = off * off * sharpness;
+        if near * near > NEAR || residual >= room { 0.0 } else { 1.0 - residual / room }
+    }
+}
+
+/// `1 / sin^2` of a tolerance.
+pub(super) fn sharpness(tolerance_deg: f32) -> f32 {
+    let sin = libm::sinf(tolerance_deg.clamp(0.1, 10.0) * (core::f32::consts::PI / 180.0));
+    1.0 / (sin * sin)
 }

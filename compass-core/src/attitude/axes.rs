@@ -24,6 +24,23 @@ pub struct Axes {
     pub share: f32,
 }
 
+impl Axes {
+    /// Unit vectors in camera 0 along the two axes.
+    #[must_use]
+    pub fn directions(&self, level: &Level) -> [Bearing; 2] {
+        let azimuth = self.azimuth_deg * (core::f32::consts::PI / 180.0);
+        [azimuth, azimuth + core::f32::consts::FRAC_PI_2].map(|azimuth| level.bearing(azimuth, 0.0))
+    }
+
+    /// The axis, 0 or 1, that a horizontal arc runs along.
+    #[must_use]
+    pub fn axis_of(&self, arc: &Arc, level: &Level) -> Option<usize> {
+        let turn = vanishing_azimuth(arc, level)? - self.azimuth_deg;
+        let off = modulo(turn + 45.0, 90.0) - 45.0;
+        (off.abs() <= TOLERANCE_DEG).then(|| usize::from(modulo(turn + 45.0, 180.0) >= 90.0))
+    }
+}
+
 /// The pair of horizontal directions at right angles that most arcs run along; `None` if there is no horizontal arc.
 ///
 /// The great circle of a horizontal line meets the horizon in its vanishing point: one vote per arc, modulo 90
@@ -45,35 +62,38 @@ pub fn building_axes(arcs: &[Arc], level: &Level) -> Option<Axes> {
     };
     let best = (0..VOTES).max_by(|a, b| around(*a).total_cmp(&around(*b)))?;
     let rough = (best as f32 + 0.5) / PER_DEGREE as f32;
-    let (mut turn, mut along, mut inliers) = (0.0, 0.0, [0_u16; 2]);
+    let (mut turn, mut along) = (0.0, 0.0);
     for (arc, azimuth) in horizontal(arcs, level) {
         let off = modulo(azimuth - rough + 45.0, 90.0) - 45.0;
         if off.abs() <= TOLERANCE_DEG {
             turn += off * arc.weight;
             along += arc.weight;
-            let other = modulo(azimuth - rough + 45.0, 180.0) >= 90.0;
-            inliers[usize::from(other)] += 1;
         }
     }
-    (along > 0.0).then(|| {
-        let azimuth = rough + turn / along;
-        // At the seam the two axes change places.
-        let inliers = if (0.0..90.0).contains(&azimuth) { inliers } else { [inliers[1], inliers[0]] };
-        Axes { azimuth_deg: modulo(azimuth, 90.0), inliers, share: along / all }
-    })
+    if along <= 0.0 {
+        return None;
+    }
+    let azimuth_deg = modulo(rough + turn / along, 90.0);
+    let axes = Axes { azimuth_deg, inliers: [0; 2], share: along / all };
+    let count = |axis| arcs.iter().filter(|arc| axes.axis_of(arc, level) == Some(axis)).count();
+    let inliers = [0, 1].map(|axis| u16::try_from(count(axis)).unwrap_or(u16::MAX));
+    Some(Axes { inliers, ..axes })
 }
 
-/// Arcs that can be of horizontal lines, with the azimuth in degrees of their vanishing point on the horizon.
+/// Arcs that can be of horizontal lines, with the azimuth of their vanishing point.
 fn horizontal<'a>(arcs: &'a [Arc], level: &'a Level) -> impl Iterator<Item = (&'a Arc, f32)> + 'a {
+    arcs.iter().filter_map(|arc| Some((arc, vanishing_azimuth(arc, level)?)))
+}
+
+/// The azimuth in degrees of an arc's point on the horizon; `None` if it can be of an upright line.
+fn vanishing_azimuth(arc: &Arc, level: &Level) -> Option<f32> {
     let up: Bearing = level.up();
-    arcs.iter().filter_map(move |arc| {
-        // The great circle of an upright line holds the zenith.
-        if arc.normal.dot(&up).abs() < UPRIGHT_SIN {
-            return None;
-        }
-        let (azimuth, _) = level.direction(&arc.normal.cross(&up));
-        Some((arc, degrees(azimuth)))
-    })
+    // The great circle of an upright line holds the zenith.
+    if arc.normal.dot(&up).abs() < UPRIGHT_SIN {
+        return None;
+    }
+    let (azimuth, _) = level.direction(&arc.normal.cross(&up));
+    Some(degrees(azimuth))
 }
 
 /// The remainder in 0 to `period`.

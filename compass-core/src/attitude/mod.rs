@@ -17,6 +17,9 @@ pub use search::{Hint, LEAST_INLIERS, Parameters, vertical};
 
 use crate::camera::Bearing;
 
+/// Bound of the angle to the direction that real-valued arithmetic refines from the same segments, degrees.
+pub const UP_ERROR_DEG: f32 = 0.02;
+
 /// The up vector, with what speaks for it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Vertical {

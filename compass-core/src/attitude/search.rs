@@ -1,5 +1,6 @@
 //! The vertical vanishing point.
 
+use super::arc::sharpness;
 use super::{Arc, Vertical, degrees};
 use crate::camera::Bearing;
 use heapless::Vec;
@@ -7,8 +8,6 @@ use nalgebra::{Matrix3, Vector3};
 
 /// Arcs needed to tell.
 pub const LEAST_INLIERS: u16 = 20;
-/// Arcs whose middle is this near to a direction say nothing about it: cosine squared of 20 degrees.
-const NEAR: f32 = 0.883_022_2;
 /// Directions kept until the end, and how far they are apart: cosine of 6 degrees.
 const MODES: usize = 6;
 const APART: f32 = 0.994_521_9;
@@ -109,19 +108,13 @@ impl<'a> Judge<'a> {
             Hint::Up(up) => (up, true),
             Hint::Axis(axis) => (axis, false),
         };
-        let sin = libm::sinf(tolerance_deg.clamp(0.1, 10.0) * (core::f32::consts::PI / 180.0));
-        Self { arcs, hint: unit(hint, 1e-6).unwrap_or_else(Vector3::y), signed, sharpness: 1.0 / (sin * sin) }
+        let hint = unit(hint, 1e-6).unwrap_or_else(Vector3::y);
+        Self { arcs, hint, signed, sharpness: sharpness(tolerance_deg) }
     }
 
-    /// How well an arc points to a direction: 1 exactly, 0 at the tolerance and beyond.
-    ///
-    /// The residual is the least turn of the arc about its middle that makes it point there.
     #[inline(always)]
     fn agreement(&self, arc: &Arc, direction: &Bearing) -> f32 {
-        let (off, near) = (arc.normal.dot(direction), arc.middle.dot(direction));
-        let room = 1.0 - near * near;
-        let residual = off * off * self.sharpness;
-        if near * near > NEAR || residual >= room { 0.0 } else { 1.0 - residual / room }
+        arc.agrees(direction, self.sharpness)
     }
 
     fn mode(&self, direction: Bearing) -> Mode {

@@ -15,7 +15,7 @@ mod evidence;
 mod polar;
 mod support;
 
-pub use evidence::Ranges;
+pub use evidence::{Range, Ranges};
 
 use crate::camera::Rig;
 use crate::num::BINS;
@@ -39,6 +39,14 @@ pub const HEIGHTS_M: [f32; 2] = [0.55, 2.4];
 
 /// Bytes of [`Buffers::edges`] and of [`Buffers::support`].
 pub const CELLS: usize = SURFACES * RUNGS * BINS;
+
+/// Share of the edges that are within [`EDGE_LEVELS`] of those that exact projection gives, in millionths.
+pub const EDGES_PPM: u32 = 900_000;
+/// Gray levels by which such edges may differ.
+pub const EDGE_LEVELS: u8 = 2;
+/// Bound of the differences to real-valued evidence of the same edges, and to real-valued likelihoods of the same
+/// evidence, nats.
+pub const EVIDENCE_ERROR: f32 = 0.25;
 
 /// Memory lent to a [`Surveyor`]; what it holds before does not matter.
 #[derive(Debug)]

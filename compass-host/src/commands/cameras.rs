@@ -1,13 +1,16 @@
 //! The options that every command with camera frames shares.
 
-use super::plan::finite;
+use super::plan::{finite, pair};
 use crate::calibration::Calibration;
-use crate::eyes::{Eyes, Mount};
+use crate::dataset::imu::{self, Gravity};
+use crate::eyes::{Eyes, EyesError, Mount};
 use crate::frame::Frame;
 use anyhow::{Result, bail};
+use compass_core::attitude::{Hint, Vertical};
 use compass_core::boundary::HEIGHTS_M;
 use compass_core::camera::Bearing;
 use std::path::PathBuf;
+use thiserror::Error;
 
 /// A calibration and the frames of one or two cameras.
 #[derive(Debug, Clone, clap::Args)]
@@ -23,6 +26,8 @@ pub(super) struct CameraArgs {
     cam1: Option<PathBuf>,
     #[command(flatten)]
     up: UpArg,
+    #[command(flatten)]
+    imu: ImuArgs,
     /// Height of cam0 above the floor in metres [default: estimated]
     #[arg(long, value_name = "M", value_parser = height, allow_hyphen_values = true)]
     camera_height: Option<f32>,
@@ -49,12 +54,132 @@ impl UpArg {
         }
     }
 
-    pub(super) const fn is_given(&self) -> bool {
-        self.up.is_some()
+    /// The vertical of the frames whose segments were just detected.
+    fn vertical(&self, eyes: &mut Eyes, frames: [Option<&Frame>; 2]) -> Result<Vertical, EyesError> {
+        eyes.vertical(frames, self.mount)
+    }
+}
+
+/// An accelerometer beside the cameras.
+#[derive(Debug, Clone, clap::Args)]
+struct ImuArgs {
+    /// Readings of the IMU that the calibration has, as EuRoC's imu0/data.csv: their mean tells up, at rest or nearly
+    #[arg(long, value_name = "FILE", conflicts_with = "up")]
+    imu: Option<PathBuf>,
+    /// Take the readings from second T0 to T1 of their own clock [default: all]
+    #[arg(long, value_name = "T0,T1", value_parser = pair, requires = "imu")]
+    imu_seconds: Option<[f64; 2]>,
+    /// What tells up; both: the image, near where the IMU says [default: both with --imu, else image]
+    #[arg(long, value_enum, conflicts_with = "up")]
+    up_from: Option<UpFrom>,
+}
+
+/// What tells up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub(super) enum UpFrom {
+    Image,
+    Imu,
+    Both,
+}
+
+impl UpFrom {
+    pub(super) const fn name(self) -> &'static str {
+        match self {
+            Self::Image => "image",
+            Self::Imu => "imu",
+            Self::Both => "both",
+        }
+    }
+}
+
+impl ImuArgs {
+    fn source(&self) -> Result<UpFrom> {
+        match (self.up_from, &self.imu) {
+            (None, None) => Ok(UpFrom::Image),
+            (None, Some(_)) => Ok(UpFrom::Both),
+            (Some(UpFrom::Imu | UpFrom::Both), None) => {
+                bail!("--up-from takes the IMU: name its file with --imu")
+            }
+            (Some(from), _) => Ok(from),
+        }
     }
 
-    pub(super) const fn mount(&self) -> Mount {
-        self.mount
+    /// Gravity in the axes of cam0.
+    fn load(&self, calibration: &Calibration) -> Result<Option<Gravity>> {
+        let Some(path) = &self.imu else { return Ok(None) };
+        let gravity = imu::gravity(path, self.imu_seconds)?;
+        let Some(turn) = calibration.cameras[0].as_ref().and_then(|camera| camera.from_imu) else {
+            bail!("{}: cam0.T_cam_imu: missing, and --imu needs it", calibration.path.display());
+        };
+        Ok(Some(Gravity { up: turn.transform_vector(&gravity.up), ..gravity }))
+    }
+}
+
+/// How up is told.
+pub(super) struct Up {
+    told: UpArg,
+    pub(super) from: UpFrom,
+    /// What the IMU says, in the axes of cam0.
+    pub(super) imu: Option<Gravity>,
+}
+
+/// Largest angle between the up vectors of image and IMU that are both right, degrees.
+const AGREEING_DEG: f64 = 10.0;
+
+/// Image and IMU tell different directions: an answer, but "no".
+#[derive(Debug, Error)]
+#[error(
+    "image and IMU disagree on up by {0:.1} degrees: is the IMU at rest, and its calibration that of this rig?"
+)]
+pub struct Disagreement(f64);
+
+impl Up {
+    pub(super) const fn is_given(&self) -> bool {
+        self.told.up.is_some()
+    }
+
+    /// The up vector in cam0: that given, that of the IMU, or that of the frames whose segments were just detected.
+    pub(super) fn resolve(&self, eyes: &mut Eyes, frames: [Option<&Frame>; 2]) -> Result<Bearing> {
+        if self.is_given() {
+            return self.told.resolve(eyes, frames);
+        }
+        let mut vertical = || self.vertical(eyes, frames);
+        match (self.from, self.imu) {
+            (UpFrom::Imu, Some(gravity)) => Ok(gravity.up.cast()),
+            (UpFrom::Both, Some(gravity)) => match vertical() {
+                Ok(vertical) => self.check(&vertical).map(|()| vertical.up),
+                // Where nothing upright is in view, gravity still is.
+                Err(EyesError::NoVertical) => Ok(gravity.up.cast()),
+                Err(error) => Err(error.into()),
+            },
+            _ => Ok(vertical()?.up),
+        }
+    }
+
+    /// What the image says, near where the IMU does if it is asked.
+    pub(super) fn vertical(
+        &self,
+        eyes: &mut Eyes,
+        frames: [Option<&Frame>; 2],
+    ) -> Result<Vertical, EyesError> {
+        match (self.from, self.imu) {
+            (UpFrom::Imu | UpFrom::Both, Some(gravity)) => eyes.vertical_near(Hint::Up(gravity.up.cast())),
+            _ => self.told.vertical(eyes, frames),
+        }
+    }
+
+    /// Degrees between what image and IMU say.
+    pub(super) fn apart_deg(&self, vertical: &Vertical) -> Option<f64> {
+        let imu = self.imu?.up;
+        let image = vertical.up.cast::<f64>().normalize();
+        Some(imu.cross(&image).norm().atan2(imu.dot(&image)).to_degrees())
+    }
+
+    /// Refuses an up vector that image and IMU disagree on.
+    pub(super) fn check(&self, vertical: &Vertical) -> Result<()> {
+        let apart =
+            self.apart_deg(vertical).filter(|apart| self.from == UpFrom::Both && *apart > AGREEING_DEG);
+        apart.map_or(Ok(()), |apart| Err(Disagreement(apart).into()))
     }
 }
 
@@ -62,7 +187,7 @@ impl UpArg {
 pub(super) struct Cameras {
     pub(super) frames: [Option<Frame>; 2],
     pub(super) eyes: Eyes,
-    pub(super) up: UpArg,
+    pub(super) up: Up,
     /// Height of cam0 above the floor in metres, where it is known.
     pub(super) height_m: Option<f32>,
     /// The files of the frames, for messages.
@@ -87,7 +212,8 @@ impl CameraArgs {
         let frames = [cam0?, cam1?];
         let rig = calibration.rig(frames.each_ref().map(|f| f.as_ref().map(|f| (f.width(), f.height()))))?;
         let files: Vec<_> = paths.into_iter().flatten().map(|path| path.display().to_string()).collect();
-        let (up, height_m) = (self.up.clone(), self.camera_height);
+        let up = Up { told: self.up.clone(), from: self.imu.source()?, imu: self.imu.load(&calibration)? };
+        let height_m = self.camera_height;
         Ok(Cameras { frames, eyes: Eyes::new(rig), up, height_m, name: files.join(", ") })
     }
 }

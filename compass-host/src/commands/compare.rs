@@ -3,7 +3,7 @@
 use super::Outcome;
 use super::plan::{PlanArgs, sample};
 use crate::calibration::{CalibratedCamera, Calibration};
-use crate::compare::{Stage, camera, compare, segments};
+use crate::compare::{Stage, camera, compare, segments, sight};
 use crate::output::{Decimal, JsonOption};
 use anyhow::{Context as _, Result};
 use compass_core::camera::Camera;
@@ -75,6 +75,7 @@ impl Compare {
         let mut stages = compare(&raster, &plan, self.poses as usize, self.seed).with_context(name)?;
         stages.extend(camera::stages(&lenses));
         stages.extend(segments::stages(&raster, self.seed).with_context(name)?);
+        stages.extend(sight::stages(&raster, self.seed).with_context(name)?);
         let in_bounds = stages.iter().all(|s| s.in_bounds);
         let mut summary = String::new();
         let _ = writeln!(summary, "{:<48} {:>12} {:>12} {:>12}  unit", "stage", "worst", "typical", "bound");

@@ -1,14 +1,17 @@
 //! The pictures of `--debug-dir`: what was found in camera frames, and what was considered.
 
+use crate::compare::float_levels;
 use crate::eyes::Eyes;
-use crate::figures::{self, Layer, RingPicture};
+use crate::figures::{self, Layer, PanoramaPicture, RingPicture};
 use crate::frame::Frame;
 use crate::output::create_dir;
 use crate::paper_finder::PaperFinder;
+use crate::surroundings::Surroundings;
 use anyhow::Result;
 use compass_core::camera::{Pixel, View};
+use compass_core::descriptor::Descriptor;
 use compass_core::raster::GrayImage;
-use compass_core::scan::Hit;
+use compass_core::scan::{STEPS_PER_METRE, Scan};
 use compass_core::segments::Segment;
 use compass_core::windows::level::{Level, NOMINAL_RANGE_M, Sighting, Window};
 use compass_core::windows::paper::{ImageWindow, Rejection};
@@ -34,12 +37,15 @@ pub(super) struct Found<'a> {
     pub(super) level: Level,
     pub(super) windows: &'a [Window],
     pub(super) sighting: &'a Sighting,
+    /// What it comes to in metres, if that was measured.
+    pub(super) surroundings: Option<&'a Surroundings>,
     /// What the plan says, if there is one.
-    pub(super) plan: Option<&'a [Hit; 360]>,
+    pub(super) plan: Option<&'a Scan>,
 }
 
 impl Found<'_> {
-    /// Writes `ring.png`, `polar.png` and for each camera `camN_segments.png` and `camN_windows.png`.
+    /// Writes `ring.png`, `polar.png`, for each camera `camN_segments.png` and `camN_windows.png`, and with ranges
+    /// `panorama.png` and `descriptor.png`.
     pub(super) fn draw(&self, dir: &Path) -> Result<()> {
         create_dir(dir)?;
         for (camera, frame) in self.frames.iter().enumerate() {
@@ -61,7 +67,54 @@ impl Found<'_> {
             known: &known,
         };
         figures::draw_ring(&dir.join("ring.png"), &picture)?;
-        figures::draw_seen(&dir.join("polar.png"), hit, &known, self.plan)?;
+        figures::draw_seen(&dir.join("polar.png"), hit, &known, self.plan.map(|plan| &plan.hit))?;
+        if let Some(surroundings) = self.surroundings {
+            self.draw_panorama(&dir.join("panorama.png"), surroundings)?;
+            self.draw_descriptors(&dir.join("descriptor.png"), surroundings)?;
+        }
+        Ok(())
+    }
+
+    fn draw_panorama(&self, path: &Path, Surroundings { height, ranges, .. }: &Surroundings) -> Result<()> {
+        let resolution = self.eyes.resolution();
+        let corners = |w: &Window| {
+            [w.azimuth_deg(resolution), w.elevation_deg(resolution)].map(|pair| pair.map(f64::from))
+        };
+        let windows: Vec<_> = self.windows.iter().map(corners).collect();
+        let metres = self.plan.map(|plan| plan.steps.map(|s| f64::from(s) / f64::from(STEPS_PER_METRE)));
+        let picture = PanoramaPicture {
+            ranges: &ranges.map(|range| range.map(|r| [r.metres, r.confidence].map(f64::from))),
+            plan: metres.as_ref(),
+            heights_m: [height.camera_m, height.ceiling_m - height.camera_m].map(f64::from),
+            windows: &windows,
+        };
+        figures::draw_panorama(path, &picture, |azimuth, elevation| self.look(azimuth, elevation))?;
+        Ok(())
+    }
+
+    /// The colour in a direction of the level frame, in the frame of the camera whose axis is nearest.
+    fn look(&self, azimuth: f32, elevation: f32) -> Option<[u8; 3]> {
+        let point = self.level.bearing(azimuth, elevation) * NOMINAL_RANGE_M;
+        let seen_by = |(camera, view): (usize, &View)| {
+            let bearing = view.rotation.tr_mul(&(point - view.position)).normalize();
+            let pixel = view.camera.project(&bearing)?;
+            Some((bearing.z, self.frames[camera]?.colour(pixel)?))
+        };
+        let nearest = self.eyes.rig().views().filter_map(seen_by).max_by(|a, b| a.0.total_cmp(&b.0));
+        nearest.map(|(_, colour)| colour)
+    }
+
+    /// What was seen as a descriptor, unknown bins left out, and the plan's below it.
+    fn draw_descriptors(&self, path: &Path, surroundings: &Surroundings) -> Result<()> {
+        let mut seen = float_levels(&Descriptor::from(&surroundings.scan));
+        for channel in &mut seen {
+            let known = surroundings.confidence.sixteenths().iter().map(|c| *c > 0);
+            channel.iter_mut().zip(known).filter(|(_, known)| !known).for_each(|(v, _)| *v = f64::NAN);
+        }
+        let plan = self.plan.map(|plan| float_levels(&Descriptor::from(plan)));
+        let mut named = vec![("seen", &seen)];
+        named.extend(plan.as_ref().map(|plan| ("plan", plan)));
+        figures::draw_descriptors(path, &named)?;
         Ok(())
     }
 

@@ -170,7 +170,9 @@ impl Localize {
         match (&self.query.from_plan, truth) {
             (Some(plan), Some(truth)) => self.from_plan(plan, truth),
             (Some(_), None) => bail!("no pose on the plan: give --at X,Y and --heading DEG"),
-            (None, _) if self.cameras.is_given() => sighted::run(&self.map, &self.cameras, truth, self.min_probability, &self.json),
+            (None, _) if self.cameras.is_given() => {
+                sighted::run(&self.map, &self.cameras, truth, self.min_probability, &self.json)
+            }
             (None, _) => {
                 bail!("no query: give --calib with --cam0, --cam1 or both, or a plan with --from-plan")
             }

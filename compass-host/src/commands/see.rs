@@ -1,14 +1,17 @@
-//! `compass see`: what the cameras see in every direction.
+//! `compass see`: what the cameras see in every direction, as the descriptor that localization compares.
 
 use super::Outcome;
 use super::cameras::CameraArgs;
 use super::debug::Found;
+use super::describe::hit_name;
 use super::plan::PoseOnPlan;
-use crate::eyes::Eyes;
+use crate::compare::float_levels;
+use crate::eyes::{Eyes, EyesError};
 use crate::output::{Decimal, JsonOption, decimals};
+use crate::surroundings::Surroundings;
 use anyhow::{Context as _, Result};
 use compass_core::camera::{Pixel, View};
-use compass_core::scan::Hit;
+use compass_core::descriptor::Descriptor;
 use compass_core::windows::level::{Level, NOMINAL_RANGE_M, Window, image_box};
 use compass_core::windows::paper::ImageWindow;
 use serde::Serialize;
@@ -99,19 +102,18 @@ impl fmt::Display for WindowOutput {
     }
 }
 
-/// Name of a hit type; `null` where nothing is known.
-pub(super) fn hit_name(hit: Hit, sixteenths: u8) -> Option<&'static str> {
-    (sixteenths > 0).then_some(match hit {
-        Hit::Wall => "wall",
-        Hit::Window => "window",
-        Hit::Open => "open",
-    })
-}
-
 #[derive(Debug, Serialize)]
 struct Output {
+    /// The descriptor; where a range is not known, that of the nearest direction stands in.
+    channels: Vec<Vec<Decimal>>,
+    range_m: Vec<Option<Decimal>>,
     hit: Vec<Option<&'static str>>,
+    /// Of the descriptor's bins, 0 to 1.
     confidence: Vec<Decimal>,
+    camera_height_m: Decimal,
+    /// `given`, or `assumed` for a room of usual height.
+    camera_height: &'static str,
+    ceiling_height_m: Decimal,
     /// Log odds of a window, nats.
     evidence: Vec<Decimal>,
     up_in_cam0: Vec<Decimal>,
@@ -126,6 +128,7 @@ struct Milliseconds {
     segments: Decimal,
     up: Decimal,
     windows: Decimal,
+    ranges: Decimal,
 }
 
 impl See {
@@ -133,7 +136,7 @@ impl See {
         let mut cameras = self.cameras.load()?;
         let plan = self.plan.scan()?;
         let frames = cameras.frames.each_ref().map(Option::as_ref);
-        let mut stages = [const { Vec::new() }; 3];
+        let mut stages = [const { Vec::new() }; 4];
         let mut last = None;
         for _ in 0..self.repeat {
             time(&mut stages[0], || cameras.eyes.detect(frames))?;
@@ -141,25 +144,36 @@ impl See {
                 .with_context(|| cameras.name.clone())?;
             let seen = time(&mut stages[2], || cameras.eyes.windows(frames, &up))
                 .with_context(|| cameras.name.clone())?;
-            last = Some((seen.sighting, seen.level, seen.windows.to_vec()));
+            let (sighting, level, chosen) = (seen.sighting, seen.level, seen.windows.to_vec());
+            let height_m = cameras.height_m;
+            let surroundings = time(&mut stages[3], || {
+                let ranges = cameras.eyes.ranges(frames, &up, height_m)?;
+                Ok::<_, EyesError>(Surroundings::new(ranges, &sighting, height_m))
+            })?;
+            last = Some((sighting, level, chosen, surroundings));
         }
-        let (sighting, level, chosen) = last.context("--repeat 0 looks at nothing")?;
-        let [segments, level_ms, windows_ms] = stages.map(median);
+        let (sighting, level, chosen, surroundings) = last.context("--repeat 0 looks at nothing")?;
+        let [segments, level_ms, windows_ms, ranges] = stages.map(median);
         let windows: Vec<_> = chosen.iter().map(|w| WindowOutput::new(w, &cameras.eyes, &level)).collect();
         if let Some(dir) = &self.debug_dir {
-            let (eyes, plan) = (&cameras.eyes, plan.as_ref().map(|scan| &scan.hit));
-            Found { frames, eyes, level, windows: &chosen, sighting: &sighting, plan }.draw(dir)?;
+            let (eyes, plan, surroundings) = (&cameras.eyes, plan.as_ref(), Some(&surroundings));
+            Found { frames, eyes, level, windows: &chosen, sighting: &sighting, surroundings, plan }
+                .draw(dir)?;
         }
-        let sixteenths = sighting.confidence.sixteenths();
-        let up = level.up();
+        let (up, Surroundings { height, ranges: found, hit, scan, confidence }) = (level.up(), &surroundings);
         let output = Output {
-            hit: sighting.hit.iter().zip(sixteenths).map(|(hit, c)| hit_name(*hit, *c)).collect(),
-            confidence: decimals(sixteenths.iter().map(|c| f64::from(*c) / 16.0)),
+            channels: float_levels(&Descriptor::from(scan)).map(decimals).into(),
+            range_m: found.iter().map(|range| range.map(|r| Decimal(f64::from(r.metres)))).collect(),
+            hit: hit.iter().map(|hit| hit.map(hit_name)).collect(),
+            confidence: decimals(confidence.sixteenths().iter().map(|c| f64::from(*c) / 16.0)),
+            camera_height_m: Decimal(f64::from(height.camera_m)),
+            camera_height: if height.given { "given" } else { "assumed" },
+            ceiling_height_m: Decimal(f64::from(height.ceiling_m)),
             evidence: decimals(sighting.evidence.iter().map(|e| f64::from(*e) / 256.0)),
             up_in_cam0: decimals([up.x, up.y, up.z].map(f64::from)),
             windows,
             truncated: sighting.truncated,
-            milliseconds: Milliseconds { segments, up: level_ms, windows: windows_ms },
+            milliseconds: Milliseconds { segments, up: level_ms, windows: windows_ms, ranges },
         };
         self.json.emit(&output, &summary(&output))?;
         Ok(Outcome::Done)
@@ -191,7 +205,20 @@ fn summary(output: &Output) -> String {
     for window in &output.windows {
         let _ = writeln!(text, "{window}");
     }
-    let Milliseconds { segments, up, windows } = &output.milliseconds;
-    let _ = writeln!(text, "segments {:.1} ms, up {:.1} ms, windows {:.1} ms", segments.0, up.0, windows.0);
+    let mut known: Vec<_> = output.range_m.iter().flatten().map(|range| range.0).collect();
+    known.sort_by(f64::total_cmp);
+    if let [nearest, .., farthest] = known[..] {
+        let median = known[known.len() / 2];
+        let _ =
+            write!(text, "{} ranges, {nearest:.2} to {farthest:.2} m, median {median:.2} m; ", known.len());
+    }
+    let (camera, ceiling) = (output.camera_height_m.0, output.ceiling_height_m.0);
+    let _ = writeln!(text, "camera {camera:.2} m high ({}), room {ceiling:.2} m", output.camera_height);
+    let Milliseconds { segments, up, windows, ranges } = &output.milliseconds;
+    let _ = writeln!(
+        text,
+        "segments {:.1} ms, up {:.1} ms, windows {:.1} ms, ranges {:.1} ms",
+        segments.0, up.0, windows.0, ranges.0
+    );
     text
 }

@@ -1,3 +1,4 @@
 //! Recordings and what belongs to them.
 
+pub mod imu;
 pub mod tum;

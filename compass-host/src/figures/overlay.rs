@@ -33,9 +33,16 @@ impl Layer {
         Self { label: label.into(), colour, width, lines: Vec::new(), notes: Vec::new() }
     }
 
-    fn entry(&self) -> Entry {
+    /// A layer without lines that the legend leaves out.
+    #[must_use]
+    pub fn unnamed(colour: RGBColor, width: f64) -> Self {
+        Self::new(String::new(), colour, width)
+    }
+
+    fn entry(&self) -> Option<Entry> {
         let symbol = Symbol::Line(Pen::solid(self.colour, self.width.max(4.0)));
-        Entry::new(symbol, format!("{} ({})", self.label, self.lines.len()))
+        let label = format!("{} ({})", self.label, self.lines.len());
+        (!self.label.is_empty()).then(|| Entry::new(symbol, label))
     }
 }
 
@@ -46,7 +53,7 @@ impl Layer {
 pub fn draw_overlay(path: &Path, caption: &str, frame: &Frame, layers: &[Layer]) -> Result<(), FigureError> {
     let scale = Page::INNER_WIDTH / f64::from(frame.width());
     let body = scale * f64::from(frame.height());
-    let legend = layers.iter().map(Layer::entry).collect();
+    let legend = layers.iter().filter_map(Layer::entry).collect();
     Page { path, caption, legend, body: body + 16.0 }.draw(|canvas, body| {
         let shown = Rect { bottom: body.bottom - 16.0, ..body };
         draw_frame(canvas, shown, frame)?;

@@ -287,6 +287,34 @@ fn error_cdf_draws_every_series() {
 }
 
 #[test]
+fn panorama_shows_what_was_found_and_planned() {
+    let (range_m, _) = scan(HEADING);
+    let ranges = std::array::from_fn(|bin| (bin % 90 > 5).then_some([range_m[bin], bin as f64 / 360.0]));
+    let data = PanoramaPicture {
+        ranges: &ranges,
+        plan: Some(&range_m.map(|r| 1.1 * r)),
+        heights_m: [1.6, 1.1],
+        windows: &[[[170.0, 195.0], [-5.0, 12.0]]],
+    };
+    let sky = |_: f32, elevation: f32| (elevation < 0.7).then_some([0x80, 0x90, 0xa0]);
+    let picture = drawn("panorama.png", |path| draw_panorama(path, &data, sky));
+    for colour in [RGBColor(0xff, 0xf0, 0x30), RGBColor(0xff, 0x40, 0xc8), RGBColor(0x30, 0xb0, 0xff)] {
+        assert!(count(&picture, colour) > 1_000, "{colour:?}");
+    }
+    assert!(count(&picture, RGBColor(0x80, 0x90, 0xa0)) > 500_000);
+    assert!(count(&picture, style::UNKNOWN) > 50_000, "above the sky nothing is seen");
+}
+
+#[test]
+fn descriptors_show_what_is_not_known() {
+    let (range_m, _) = scan(HEADING);
+    let seen = [range_m.map(|r| if r > 8.0 { f64::NAN } else { r / 30.0 }); 5];
+    let pair = [("seen", &seen), ("plan", &[range_m.map(|r| r / 30.0); 5])];
+    let picture = drawn("descriptors.png", |path| draw_descriptors(path, &pair));
+    assert!(count(&picture, style::MUTED) > 1_000);
+}
+
+#[test]
 fn an_unwritable_path_is_named_in_one_line() {
     let path = Path::new("no/such/folder/polar.png");
     let message = draw_polar(path, &[1.0; 360], &[Hit::Wall; 360]).unwrap_err().to_string();

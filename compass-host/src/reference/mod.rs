@@ -3,6 +3,8 @@
 //!
 //! Nothing here is fast or shared with the core; it is what the core is compared with.
 
+pub mod attitude;
+pub mod boundary;
 pub mod camera;
 pub mod descriptor;
 pub mod march;

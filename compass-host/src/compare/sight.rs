@@ -1,0 +1,146 @@
+//! Up vector and ranges: the core against the reference, on frames of the plan.
+
+use super::Stage;
+use crate::calibration::Calibration;
+use crate::dataset::tum::Pose;
+use crate::frame::{Frame, SegmentDetector};
+use crate::plan_import::PlanRaster;
+use crate::reference::{attitude as reference, boundary as real};
+use crate::simulate::{Renderer, Scene, SceneOptions};
+use anyhow::{Context as _, Result};
+use compass_core::attitude::{self, Arc, Hint, Parameters, UP_ERROR_DEG};
+use compass_core::boundary::{self, EDGE_LEVELS, EDGES_PPM, EVIDENCE_ERROR, RUNG, Ranges, Surveyor};
+use compass_core::camera::{Bearing, Rig};
+use compass_core::raster::GrayImage;
+use compass_core::segments::Segment;
+use compass_core::windows::level::{Level, Red, segment_parameters};
+
+/// Size of the frames, pixels.
+const FRAME: (u32, u32) = (736, 720);
+/// Height of the camera above the floor, metres.
+const HEIGHT_M: f64 = 1.6;
+/// Poses looked from.
+const POSES: usize = 3;
+
+/// Differences of all poses.
+#[derive(Debug, Default)]
+struct Differences {
+    up_deg: Vec<f64>,
+    /// Cells whose edges are alike, and cells.
+    edges: [usize; 2],
+    evidence: Vec<f64>,
+    ratios: Vec<f64>,
+}
+
+/// Up vector, edges, their support and the likelihood of ranges at random interior poses of the plan. Each step of the
+/// reference begins with what the core made of the step before.
+///
+/// # Errors
+/// A plan without interior.
+pub fn stages(raster: &PlanRaster, seed: u64) -> Result<Vec<Stage>> {
+    let rig = Calibration::nominal().rig([Some(FRAME); 2])?;
+    let scene = Scene::new(&SceneOptions::default(), raster);
+    let renderer = Renderer::new(&scene, &rig, None);
+    let mut detectors = [(); 2].map(|()| SegmentDetector::new(FRAME.0, FRAME.1));
+    let mut found = Differences::default();
+    for (x, y, heading) in super::interior_poses(raster, POSES, seed)? {
+        let pose = Pose::looking(0, [x, y, HEIGHT_M], heading, 8.0, 185.0);
+        let up: Bearing = pose.up_in_camera().cast();
+        let [front, back] = renderer.render(&pose).map(|image| image.and_then(Frame::from_rgb));
+        let frames = [front.context("a rendered frame")?, back.context("a rendered frame")?];
+        let mut segments = Vec::new();
+        for (camera, view) in rig.views() {
+            let (of, _) =
+                detectors[camera].detect(&frames[camera].gray(), None, &segment_parameters(view))?;
+            segments.extend(of.iter().map(|segment| (*segment, camera)));
+        }
+        found.add_up(&rig, &segments, up);
+        let images = [0, 1].map(|camera: usize| frames[camera].gray());
+        let smoothed = [0, 1].map(|camera: usize| detectors[camera].smoothed(&images[camera]));
+        found.add_ranges(&rig, &smoothed, Level::new(&up).context("a heading")?);
+    }
+    Ok(found.stages())
+}
+
+impl Differences {
+    fn add_up(&mut self, rig: &Rig, segments: &[(Segment, usize)], up: Bearing) {
+        let parameters = Parameters::default();
+        let view = |camera: usize| rig.view(camera);
+        let arcs: Vec<_> =
+            segments.iter().filter_map(|(s, camera)| Arc::new(s, view(*camera)?, *camera as u8)).collect();
+        let again: Vec<_> = segments
+            .iter()
+            .filter_map(|(s, camera)| reference::Arc::new(super::segments::ends(s), view(*camera)?))
+            .collect();
+        if let Some(core) = attitude::vertical(&arcs, Hint::Up(up), &parameters) {
+            let exact = reference::refined(&again, up.cast(), f64::from(parameters.tolerance_deg));
+            let core = core.up.cast::<f64>();
+            self.up_deg.push(core.cross(&exact).norm().atan2(core.dot(&exact)).to_degrees());
+        }
+    }
+
+    fn add_ranges(&mut self, rig: &Rig, images: &[GrayImage<'_>; 2], level: Level) {
+        let [mut edges, mut support] = [(); 2].map(|()| vec![0; boundary::CELLS]);
+        // Given up before it has finished, a surveyor leaves the edges as they were drawn.
+        let drawn = survey(rig, images, level, [&mut edges, &mut support]).map(drop);
+        let raw = edges.clone();
+        let known = |edge: &u8| (*edge > 0).then(|| f64::from(*edge) - 1.0);
+        let exact = real::edges(rig, images.each_ref().map(Some), level.up().cast());
+        for pair in raw.iter().map(known).zip(&exact) {
+            let (Some(core), Some(exact)) = pair else { continue };
+            let alike = (core - exact).abs() <= f64::from(EDGE_LEVELS);
+            self.edges = [self.edges[0] + usize::from(alike), self.edges[1] + 1];
+        }
+        let mut ranges = Box::new(Ranges::EMPTY);
+        if let (Some(()), Some(surveyor)) = (drawn, survey(rig, images, level, [&mut edges, &mut support])) {
+            surveyor.finish(None, &mut ranges);
+        }
+        let nats: Vec<_> = support.iter().map(|sixteenths| f64::from(*sixteenths) / 16.0).collect();
+        let exact = real::support(&raw.iter().map(known).collect::<Vec<_>>());
+        self.evidence.extend(nats.iter().zip(exact).map(|(core, exact)| (core - exact).abs()));
+        let ceiling = (ranges.ceiling_ratio().ln() / RUNG).round() as isize;
+        let exact = real::log_ratios(&nats, ceiling);
+        for (rung, exact) in exact.chunks_exact(real::BINS).enumerate() {
+            // Seen from this height the core's rungs are the reference's.
+            let row = ranges.row(rung, LEAD).iter().zip(exact).enumerate();
+            let known = row.filter(|(bin, _)| ranges.knows(*bin));
+            self.ratios.extend(known.map(|(_, (core, exact))| (f64::from(*core) / 16.0 - exact).abs()));
+        }
+    }
+
+    fn stages(self) -> Vec<Stage> {
+        let [alike, all] = self.edges;
+        let share = alike as f64 / all.max(1) as f64;
+        let mut edges = Stage::at_least(
+            "boundary: edges alike within 2 gray levels",
+            "share",
+            vec![share],
+            f64::from(EDGES_PPM) / 1e6,
+        );
+        edges.compared = all;
+        let bound = f64::from(EVIDENCE_ERROR);
+        vec![
+            Stage::at_most("attitude: up vector", "degrees", self.up_deg, f64::from(UP_ERROR_DEG)),
+            edges,
+            Stage::at_most("boundary: evidence of edges", "nat", self.evidence, bound),
+            Stage::at_most("boundary: log-likelihood ratio of ranges", "nat", self.ratios, bound),
+        ]
+    }
+}
+
+/// The height, in rungs, whose ladder begins at the first of all rungs.
+const LEAD: i8 = 9;
+
+/// A surveyor that was shown both frames.
+fn survey<'a, 'r>(
+    rig: &'r Rig,
+    images: &[GrayImage<'_>; 2],
+    level: Level,
+    [edges, support]: [&'a mut [u8]; 2],
+) -> Option<Surveyor<'a, 'r>> {
+    let mut surveyor = Surveyor::new(boundary::Buffers { edges, support }, rig, level)?;
+    for (camera, image) in images.iter().enumerate() {
+        surveyor.add(camera, image, Red::Unknown);
+    }
+    Some(surveyor)
+}

@@ -1,0 +1,173 @@
+//! Accelerometer readings as `EuRoC` datasets have them (`imu0/data.csv`), and the direction of gravity in them.
+//!
+//! A line is `timestamp [ns], w_RS_S_x, w_RS_S_y, w_RS_S_z [rad s^-1], a_RS_S_x, a_RS_S_y, a_RS_S_z [m s^-2]`. Blank lines
+//! and lines that begin with `#` are passed over. At rest an accelerometer reads 9.81 upwards.
+
+use nalgebra::Vector3;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// What a mean reading may be away from [`GRAVITY`], m/s^2: more is no gravity, but motion or another unit.
+const ODD: f64 = 1.0;
+/// Standard gravity, m/s^2.
+pub const GRAVITY: f64 = 9.806_65;
+
+/// Why readings could not be used: one line, with the file and the line at fault.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum ImuError {
+    /// The file could not be opened or read.
+    #[error("{}: cannot be read: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// A line is no reading.
+    #[error("{}:{line}: {problem}", path.display())]
+    Line {
+        /// The file.
+        path: PathBuf,
+        /// The line, from 1.
+        line: usize,
+        /// What is wrong with it.
+        problem: String,
+    },
+    /// No reading in the time asked for.
+    #[error("{}: no reading{}", path.display(), span.map(between).unwrap_or_default())]
+    Empty {
+        /// The file.
+        path: PathBuf,
+        /// First and last second asked for, if any were.
+        span: Option<[f64; 2]>,
+    },
+    /// The mean is not gravity.
+    #[error(
+        "{}: the mean acceleration is {length:.2} m/s^2: no gravity (it moves, or the unit is another)",
+        path.display()
+    )]
+    NoGravity {
+        /// The file.
+        path: PathBuf,
+        /// Length of the mean, m/s^2.
+        length: f64,
+    },
+}
+
+fn between([from, to]: [f64; 2]) -> String {
+    format!(" from {from} to {to} s")
+}
+
+/// The mean of accelerometer readings.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Gravity {
+    /// Unit vector that points up, in the axes of the IMU.
+    pub up: Vector3<f64>,
+    /// Length of the mean, m/s^2.
+    pub length: f64,
+    /// Number of readings.
+    pub samples: usize,
+}
+
+/// The mean reading of a file, or of its readings from the first to the second of `span`, in seconds of its clock.
+///
+/// # Errors
+/// [`ImuError`]: a file that cannot be read, a line that is no reading, no reading at all, or a mean that is not gravity.
+pub fn gravity(path: &Path, span: Option<[f64; 2]>) -> Result<Gravity, ImuError> {
+    let text = std::fs::read_to_string(path)
+        .map_err(|source| ImuError::Read { path: path.to_path_buf(), source })?;
+    let (mut sum, mut samples) = (Vector3::zeros(), 0_usize);
+    for (index, line) in text.lines().enumerate() {
+        let line = line.trim_start_matches('\u{feff}').trim();
+        if line.is_empty() || line.starts_with('#') {
+            continue;
+        }
+        let (seconds, reading) = parse(line).map_err(|problem| ImuError::Line {
+            path: path.to_path_buf(),
+            line: index + 1,
+            problem,
+        })?;
+        if span.is_none_or(|[from, to]| (from..=to).contains(&seconds)) {
+            sum += reading;
+            samples += 1;
+        }
+    }
+    if samples == 0 {
+        return Err(ImuError::Empty { path: path.to_path_buf(), span });
+    }
+    let mean = sum / samples as f64;
+    let length = mean.norm();
+    if (length - GRAVITY).abs() > ODD {
+        return Err(ImuError::NoGravity { path: path.to_path_buf(), length });
+    }
+    Ok(Gravity { up: mean / length, length, samples })
+}
+
+/// Seconds and acceleration of a line.
+fn parse(line: &str) -> Result<(f64, Vector3<f64>), String> {
+    let fields: Vec<_> = line.split(',').map(str::trim).collect();
+    let [time, _, _, _, x, y, z] = fields[..] else {
+        return Err(format!(
+            "has {} fields; timestamp, three rates and three accelerations are needed",
+            fields.len()
+        ));
+    };
+    let time: u64 = time.parse().map_err(|_| format!("timestamp is '{time}', no number of nanoseconds"))?;
+    let number = |text: &str| {
+        let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
+        number.ok_or_else(|| format!("acceleration is '{text}', no finite number"))
+    };
+    Ok((time as f64 / 1e9, Vector3::new(number(x)?, number(y)?, number(z)?)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HEADER: &str = "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y [rad s^-1],w_RS_S_z [rad s^-1],\
+                          a_RS_S_x [m s^-2],a_RS_S_y [m s^-2],a_RS_S_z [m s^-2]\n";
+
+    fn mean(text: &str, span: Option<[f64; 2]>) -> Result<Gravity, String> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("data.csv");
+        std::fs::write(&path, text).unwrap();
+        gravity(&path, span).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn the_mean_of_what_is_asked_for_counts() {
+        let text = format!(
+            "{HEADER}1000000000,0,0,0,0.5,0,9.8\r\n2000000000, 0.1,0,0, -0.5, 0, 9.8\n\n3000000000,0,0,0,9.8,0,0\n"
+        );
+        let first = mean(&text, Some([1.0, 2.0])).unwrap();
+        assert_eq!((first.samples, first.up), (2, Vector3::z()));
+        assert!((first.length - 9.8).abs() < 1e-12);
+        assert_eq!(mean(&text, Some([2.5, 9.0])).unwrap().up, Vector3::x());
+        let all = mean(&text, None).unwrap_err();
+        assert!(all.contains("m/s^2: no gravity"), "thrown about: {all}");
+    }
+
+    #[test]
+    fn what_is_wrong_is_named() {
+        let message = |text: &str, span| mean(text, span).unwrap_err();
+        assert!(message(HEADER, None).ends_with("data.csv: no reading"));
+        let one = "1,0,0,0,0,0,9.81\n";
+        assert!(message(one, Some([5.0, 6.5])).ends_with("no reading from 5 to 6.5 s"));
+        for (line, what) in [
+            ("1,0,0,0,0,9.81", "6 fields"),
+            ("1.5,0,0,0,0,0,9.81", "timestamp is '1.5'"),
+            ("1,0,0,0,0,0,nan", "acceleration is 'nan'"),
+            ("1,0,0,0,0,0,x", "acceleration is 'x'"),
+        ] {
+            let found = message(&format!("{HEADER}{line}\n"), None);
+            assert!(found.contains("data.csv:2: ") && found.contains(what), "{found}");
+        }
+        assert!(
+            message("1,0,0,0,0,0,1\n", None).contains("mean acceleration is 1.00 m/s^2"),
+            "in units of g"
+        );
+        let missing = gravity(Path::new("no/such.csv"), None).unwrap_err().to_string();
+        assert!(missing.starts_with("no/such.csv: cannot be read"), "{missing}");
+    }
+}
