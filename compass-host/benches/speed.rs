@@ -189,7 +189,7 @@ fn evidence(scan: &Scan) -> Box<Table> {
 fn likelihoods(c: &mut Criterion) {
     let raster = plan();
     let packed = PackedPlan::new(&raster).expect("a plan");
-    let bytes = build(&raster, &packed, &BuildOptions::default()).expect("a map");
+    let bytes = build(&raster, &packed, None, &BuildOptions::default()).expect("a map");
     let map = SiteMap::new(&bytes).expect("a map");
     let sheet = Sheet { map, layer: 0, plan: packed.view(), floor: 0 };
     let poses = interior_poses(&raster, 20, 3).expect("an interior");

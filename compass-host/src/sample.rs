@@ -25,6 +25,9 @@ pub const MARGIN_M: f64 = 1.0;
 /// counter-clockwise from east.
 pub const DEMO_POSE: ([f64; 2], f64) = ([13.37, 3.68], 74.0);
 
+/// A free pose in the hall in the north-west, from which frames are rendered: position, then heading as above.
+pub const FRAME_POSE: ([f64; 2], f64) = ([4.12, 17.77], 288.6);
+
 /// Width and height of the image in pixels: building and margin on both sides.
 const SIZE_PX: (u32, u32) = (3200, 2200);
 /// Thickness of the facade.

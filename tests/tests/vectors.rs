@@ -9,7 +9,7 @@ use compass_core::site_map::SiteMap;
 use compass_host::calibration::Calibration;
 use compass_host::dataset::tum::Pose;
 use compass_host::frame::Frame;
-use compass_host::sample::DEMO_POSE;
+use compass_host::sample::FRAME_POSE;
 use compass_host::simulate::{Scene, SceneOptions, render};
 use compass_host::site::{BuildOptions, build};
 use compass_tests::sample_plan;
@@ -62,9 +62,9 @@ fn committed_samples_are_current() {
 /// Width and height of the sample frames.
 const FRAME: (u32, u32) = (368, 360);
 
-/// The pose of the sample frames: the demo's, 1.6 m above the floor, hanging upside down and tilted.
+/// The pose of the sample frames: 1.6 m above the floor, hanging upside down and tilted.
 fn frame_pose() -> Pose {
-    let ([x, y], heading) = DEMO_POSE;
+    let ([x, y], heading) = FRAME_POSE;
     Pose::looking(0, [x, y, 1.6], heading, 4.0, 187.0)
 }
 
