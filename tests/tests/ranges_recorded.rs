@@ -51,7 +51,7 @@ const TURN_DEG: f64 = 2.0;
 /// The plan as drawn and its structure.
 fn layers(data: &Path) -> [PackedPlan; 2] {
     let plans = data.join("hilti/floorplans");
-    let mut options = PlanOptions::new(&plans.join("masks_with_windows/floor_1.png"));
+    let mut options = PlanOptions::new(plans.join("masks_with_windows/floor_1.png"));
     options.walls = Some(plans.join("masks_no_windows/floor_1.png"));
     let raster = plan_import::load(&options).unwrap();
     let structure = keep_structure(&raster, DEFAULT_THICKNESS_M).unwrap();
