@@ -200,12 +200,14 @@ fn the_imu_agrees_or_is_told_apart() {
         for (options, named) in [
             ("--imu imu.csv --imu-seconds 5,6", "no reading from 5 to 6 s"),
             ("--imu none.csv", "none.csv: cannot be read"),
+            ("--imu imu.csv", "no gravity"),
             ("--up-from imu", "--imu"),
         ] {
             let ran = folder.run(&format!("{command} {rig} {options}"));
             assert!(ran.status == Some(2) && ran.stderr.contains(named), "{options}: {ran:?}");
         }
-        let plain = folder.run(&format!("{command} {} --imu imu.csv", rig.replace("imu.yaml", "rig.yaml")));
+        let plain = rig.replace("imu.yaml", "rig.yaml");
+        let plain = folder.run(&format!("{command} {plain} --imu imu.csv --imu-seconds 0,1.5"));
         assert!(plain.status == Some(2) && plain.stderr.contains("T_cam_imu"), "{plain:?}");
     }
 }

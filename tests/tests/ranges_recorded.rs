@@ -33,11 +33,14 @@ const RANGES_M: [f64; 2] = [1.0, 8.0];
 const SAME: f64 = 0.05;
 const SEEN: f64 = 0.2;
 
-/// Largest median relative error of ranges seen, and of walls that are surely there. Measured: 0.025 and 0.032.
-const MEDIAN: [f64; 2] = [0.04, 0.05];
-/// Least share of bins with an answer, and of the answers that are seen. Measured: 1 and 0.7.
+/// Largest median relative error of ranges seen, and of walls that are surely there. Measured: 0.020 and 0.023; of
+/// windows 0.42, whose sills and lintels pass for floor and ceiling farther away.
+const MEDIAN: [f64; 2] = [0.035, 0.04];
+/// Least share of such walls that are within 10 %. Measured: 0.91.
+const WALLS_NEAR: f64 = 0.8;
+/// Least share of bins with an answer, and of the answers that are seen. Measured: 1 and 0.642.
 const ANSWERED: f64 = 0.95;
-const SEEN_SHARE: f64 = 0.6;
+const SEEN_SHARE: f64 = 0.55;
 /// Least share within 10 % of a layer of the bins of confidence above 3/4. Measured: 0.624.
 const SURE: f64 = 0.55;
 /// Pairs, of eight, whose heading is found at the true position within [`TURN_DEG`], at least: by hit type, range, all
@@ -48,7 +51,7 @@ const TURN_DEG: f64 = 2.0;
 /// The plan as drawn and its structure.
 fn layers(data: &Path) -> [PackedPlan; 2] {
     let plans = data.join("hilti/floorplans");
-    let mut options = PlanOptions::new(&plans.join("masks_with_windows/floor_1.png"));
+    let mut options = PlanOptions::new(plans.join("masks_with_windows/floor_1.png"));
     options.walls = Some(plans.join("masks_no_windows/floor_1.png"));
     let raster = plan_import::load(&options).unwrap();
     let structure = keep_structure(&raster, DEFAULT_THICKNESS_M).unwrap();
@@ -229,28 +232,31 @@ fn ranges_are_those_of_the_plan() {
     );
     assert!(answered >= ANSWERED && seen_share >= SEEN_SHARE, "{answered} {seen_share}");
     assert!(seen.count > 800 && seen.magnitude <= MEDIAN[0], "{seen}");
-    assert!(walls.count > 300 && walls.magnitude <= MEDIAN[1], "{walls}");
+    assert!(walls.count > 300 && walls.magnitude <= MEDIAN[1] && walls.near >= WALLS_NEAR, "{walls}");
     confidence_is_earned(&looks);
 }
 
 fn confidence_is_earned(looks: &[Look]) {
     let mut classes = [[0_usize; 2]; 4];
-    let mut sums = [0.0; 4];
+    let (mut walls, mut sums) = ([[0_usize; 2]; 4], [0.0; 4]);
     for look in looks {
         for (bin, range) in look.seen.ranges.iter().enumerate().filter_map(|(bin, r)| Some((bin, (*r)?))) {
             let class = ((range.confidence * 4.0) as usize).min(3);
-            let metres = f64::from(range.metres);
-            let agrees = |scan: &Scan| (metres / self::metres(scan, bin) - 1.0).abs() <= 0.1;
-            classes[class][0] += usize::from(look.ahead.iter().flatten().any(agrees));
-            classes[class][1] += 1;
+            let range_m = f64::from(range.metres);
+            let agrees = |scan: &Scan| (range_m / metres(scan, bin) - 1.0).abs() <= 0.1;
+            let right = usize::from(look.ahead.iter().flatten().any(agrees));
+            let wall = usize::from(look.ahead.iter().flatten().all(|scan| scan.hit[bin] == Hit::Wall));
+            classes[class] = [classes[class][0] + right, classes[class][1] + 1];
+            walls[class] = [walls[class][0] + right * wall, walls[class][1] + wall];
             sums[class] += f64::from(range.confidence);
         }
     }
-    for ([right, of], sum) in classes.iter().zip(sums) {
+    for ((all, walls), sum) in classes.iter().zip(walls).zip(sums) {
+        let [all_share, wall_share] = [all, &walls].map(|[right, of]| share(*right, *of));
+        let mean = sum / all[1] as f64;
         println!(
-            "confidence {:.2}: {of} bins, {:.3} within 10 % of a layer",
-            sum / *of as f64,
-            share(*right, *of)
+            "confidence {mean:.2}: {} bins, {all_share:.3} within 10 % of a layer; {} of them walls, {wall_share:.3}",
+            all[1], walls[1]
         );
     }
     let [low, .., high] = classes.map(|[right, of]| share(right, of));

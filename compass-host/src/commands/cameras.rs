@@ -63,7 +63,8 @@ impl UpArg {
 /// An accelerometer beside the cameras.
 #[derive(Debug, Clone, clap::Args)]
 struct ImuArgs {
-    /// Readings of the IMU that the calibration has, as EuRoC's imu0/data.csv: their mean tells up, at rest or nearly
+    /// Readings of the calibration's IMU (imu0/data.csv: time in ns, rates, accelerations), whose mean tells up: at rest
+    /// or nearly
     #[arg(long, value_name = "FILE", conflicts_with = "up")]
     imu: Option<PathBuf>,
     /// Take the readings from second T0 to T1 of their own clock [default: all]
@@ -126,6 +127,18 @@ pub(super) struct Up {
 /// Largest angle between the up vectors of image and IMU that are both right, degrees.
 const AGREEING_DEG: f64 = 10.0;
 
+/// The vertical that the image has near this direction, or if there is none, near its own top or bottom: so that an IMU
+/// that is wrong by much is found out.
+fn near(eyes: &mut Eyes, up: Bearing) -> Result<Vertical, EyesError> {
+    eyes.vertical_near(Hint::Up(up)).or_else(|_| {
+        let mut vertical = eyes.vertical_near(Hint::Axis(Bearing::y()))?;
+        if vertical.up.dot(&up) < 0.0 {
+            vertical.up = -vertical.up;
+        }
+        Ok(vertical)
+    })
+}
+
 /// Image and IMU tell different directions: an answer, but "no".
 #[derive(Debug, Error)]
 #[error(
@@ -163,7 +176,7 @@ impl Up {
         frames: [Option<&Frame>; 2],
     ) -> Result<Vertical, EyesError> {
         match (self.from, self.imu) {
-            (UpFrom::Imu | UpFrom::Both, Some(gravity)) => eyes.vertical_near(Hint::Up(gravity.up.cast())),
+            (UpFrom::Imu | UpFrom::Both, Some(gravity)) => near(eyes, gravity.up.cast()),
             _ => self.told.vertical(eyes, frames),
         }
     }
