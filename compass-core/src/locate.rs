@@ -15,7 +15,7 @@ const SAME: Metres = Metres::from_bits(3 << 30);
 const SAME_TURN: Turn = Turn::from_ratio(15, 360);
 
 /// Log odds against an answer whose margin is 0, and what they lose per unit of ln(1 + margin in nats).
-const CERTAINTY: [f32; 2] = [6.33, 1.93];
+const CERTAINTY: [f32; 2] = [8.07, 2.33];
 
 /// Memory lent for the search; what it holds before does not matter. The search tries N headings: 90 do, the rest is
 /// refinement.

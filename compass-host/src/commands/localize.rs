@@ -168,7 +168,7 @@ impl Localize {
     pub(super) fn run(&self) -> Result<Outcome> {
         let truth = self.at.zip(self.heading);
         match (&self.query.from_plan, truth) {
-            (Some(plan), Some(truth)) => self.from_plan(plan, truth),
+            (Some(plan), Some(truth)) => self.cast(plan, truth),
             (Some(_), None) => bail!("no pose on the plan: give --at X,Y and --heading DEG"),
             (None, _) if self.cameras.is_given() => {
                 sighted::run(&self.map, &self.cameras, truth, self.min_probability, &self.json)
@@ -179,7 +179,7 @@ impl Localize {
         }
     }
 
-    fn from_plan(&self, plan_path: &Path, (at, heading): ([f64; 2], f64)) -> Result<Outcome> {
+    fn cast(&self, plan_path: &Path, (at, heading): ([f64; 2], f64)) -> Result<Outcome> {
         let mut clock = Clock::default();
         let file = SiteFile::read(&self.map)?;
         let storeys = file.storeys();
