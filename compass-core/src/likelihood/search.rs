@@ -56,12 +56,12 @@ impl Mode {
         Self { sheet: 0, at: Point::new(Metres::ZERO, Metres::ZERO), heading: Turn::ZERO, score: i32::MIN };
 
     /// Higher score first; equal ones by sheet, row, column and heading.
-    pub(super) fn order(&self) -> impl Ord + use<> {
+    pub(crate) fn order(&self) -> impl Ord + use<> {
         (Reverse(self.score), self.sheet, self.at.y, self.at.x, self.heading)
     }
 
     /// Whether the other lies within a distance and at less than an angle.
-    pub(super) fn is_near(&self, other: &Self, distance: Metres, turn: Turn) -> bool {
+    pub(crate) fn is_near(&self, other: &Self, distance: Metres, turn: Turn) -> bool {
         self.heading.distance(other.heading) < turn && self.at.within(other.at, distance)
     }
 }
