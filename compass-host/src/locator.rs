@@ -2,7 +2,7 @@
 
 use crate::site_file::Storey;
 use compass_core::boundary::Ranges;
-use compass_core::likelihood::{Mode, Rows, Sheet, Table};
+use compass_core::likelihood::{Answer, Mode, Rows, Sheet, Table, answer, refine, search};
 use compass_core::locate::{Effort, Fix, Work, locate};
 use compass_core::num::BINS;
 use compass_core::windows::level::Sighting;
@@ -52,5 +52,25 @@ impl<'a> Locator<'a> {
         let Self { sheets, table, coarse, rows, pool } = self;
         let mut work = Work { table, coarse, rows, pool };
         locate(ranges, height, sighting, sheets, Effort::default(), &mut work)
+    }
+
+    /// The evidence that the last answer was found with.
+    #[must_use]
+    pub const fn table(&self) -> &Table {
+        &self.table
+    }
+
+    /// Finds the pose that explains some evidence best, which `fill` writes into the table.
+    pub fn explain(&mut self, fill: impl FnOnce(&mut Table)) -> Answer {
+        let Self { sheets, table, rows, pool, .. } = self;
+        fill(table);
+        rows.set(table);
+        let found = search(rows, sheets, |_, _| true, pool);
+        let wanted = found.min(usize::from(Effort::default().modes));
+        let mut modes: Vec<Mode> = Vec::with_capacity(wanted);
+        for mode in &pool[..wanted] {
+            modes.extend(sheets.get(usize::from(mode.sheet)).map(|sheet| refine(table, sheet, *mode)));
+        }
+        answer(sheets, &mut modes)
     }
 }

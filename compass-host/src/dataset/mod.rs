@@ -1,3 +1,5 @@
 //! Recordings and what belongs to them.
 
+pub mod euroc;
+pub mod trajectory;
 pub mod tum;
