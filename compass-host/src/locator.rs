@@ -54,12 +54,6 @@ impl<'a> Locator<'a> {
         locate(ranges, height, sighting, sheets, Effort::default(), &mut work)
     }
 
-    /// The evidence that the last answer was found with.
-    #[must_use]
-    pub const fn table(&self) -> &Table {
-        &self.table
-    }
-
     /// Finds the pose that explains some evidence best, which `fill` writes into the table.
     pub fn explain(&mut self, fill: impl FnOnce(&mut Table)) -> Answer {
         let Self { sheets, table, rows, pool, .. } = self;

@@ -71,7 +71,7 @@ impl Evaluate {
         // Everything is read before anything is written.
         let file = SiteFile::read(&self.map)?;
         let storeys = file.storeys();
-        let locator = Locator::new(&storeys).ok_or_else(|| {
+        let mut locator = Locator::new(&storeys).ok_or_else(|| {
             let map = self.map.display();
             anyhow!("{map}: has no plan to refine poses on; build it anew with compass map build")
         })?;
@@ -104,7 +104,7 @@ impl Evaluate {
         let jobs =
             self.jobs.or_else(|| std::thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
         let records = localize(&job, &shots, &journal, jobs)?;
-        let followed = sequence::follow(&job, &records, locator.sheets(), odometry.as_ref())?;
+        let followed = sequence::follow(&job, &records, &mut locator, odometry.as_ref())?;
         let judge = Judge { sheets: locator.sheets(), floor };
         let finished: Vec<_> = records
             .iter()

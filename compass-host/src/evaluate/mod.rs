@@ -16,7 +16,7 @@ mod row;
 pub mod sequence;
 mod worker;
 
-pub use evidence_file::{read as read_evidence, write as write_evidence};
+pub use evidence_file::Evidence;
 pub use journal::{Fingerprint, Journal};
 pub use oracle::sharp;
 pub use record::{Found, Record};

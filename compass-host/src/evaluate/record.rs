@@ -35,6 +35,8 @@ pub struct Record {
     pub up: Option<[f32; 3]>,
     /// Height of cam0 above the floor in metres: that given, or that found.
     pub height_m: f32,
+    /// The same in rungs.
+    pub height: i8,
     /// The frame by itself: the best pose and its alternatives.
     pub single: Vec<Found>,
     /// The same search with what the plan says at the true pose.

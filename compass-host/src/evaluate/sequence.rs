@@ -1,13 +1,18 @@
 //! The track of a recording, and trajectories to write.
 
-use super::{Found, Job, Record, read_evidence};
+use super::{Evidence, Found, Job, Record};
 use crate::dataset::trajectory::Trajectory;
 use crate::dataset::tum::Pose;
+use crate::locator::Locator;
+use crate::site::progress;
 use anyhow::Result;
-use compass_core::likelihood::{Mode, Sheet, Table};
+use compass_core::likelihood::{Mode, Table};
 use compass_core::track::{Estimate, Frame, Track};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use std::time::Instant;
+
+/// From this lead on, nats, a frame's answer is nearly always right.
+const SURE_NATS: f64 = 100.0;
 
 /// What a sequence came to.
 #[derive(Debug)]
@@ -21,37 +26,52 @@ pub struct Followed {
 /// Follows the records in the order of time, with the evidence that was kept of them. Where nothing was seen the
 /// estimate stays.
 ///
+/// Whoever carries the cameras keeps their height: a frame that is not sure of its answer, and so of the height it was
+/// found with, is searched anew at the height of the last one that was.
+///
 /// # Errors
 /// Names a file of evidence that cannot be read.
 pub fn follow(
     job: &Job<'_>,
     records: &[Record],
-    sheets: &[Sheet<'_>],
+    locator: &mut Locator<'_>,
     odometry: Option<&Trajectory>,
 ) -> Result<Followed> {
     let mut track = Track::new();
-    let mut table = Box::new(Table::EMPTY);
-    let mut before: Option<u64> = None;
+    let (mut before, mut known): (Option<u64>, Option<i8>) = (None, None);
     let (mut estimates, mut seconds, mut steps) = (Vec::with_capacity(records.len()), 0.0, 0);
+    let bar = progress(records.len(), "following");
     for record in records {
+        bar.inc(1);
         if record.problem.is_some() {
-            estimates.push(track.estimate(sheets));
+            estimates.push(track.estimate(locator.sheets()));
             continue;
         }
-        read_evidence(&job.evidence_file(record.timestamp_ns), &mut table)?;
-        let modes: Vec<Mode> = record.single.iter().map(Mode::from).collect();
+        let evidence = Evidence::read(&job.evidence_file(record.timestamp_ns))?;
+        let started = Instant::now();
+        if record.margin() >= SURE_NATS {
+            known = Some(record.height);
+        }
+        let height = known.unwrap_or(record.height);
+        let modes: Vec<Mode> = if height == record.height {
+            record.single.iter().map(Mode::from).collect()
+        } else {
+            locator.explain(|table| evidence.table(height, table)).modes().to_vec()
+        };
+        let mut table = Box::new(Table::EMPTY);
+        evidence.table(height, &mut table);
         let frame = Frame {
             table: &table,
             modes: &modes,
             seconds: before.map_or(0.0, |before| (record.timestamp_ns - before) as f32 / 1e9),
             motion: before.zip(odometry).and_then(|(before, way)| way.motion(before, record.timestamp_ns)),
         };
-        let started = Instant::now();
-        estimates.push(track.step(sheets, &frame));
+        estimates.push(track.step(locator.sheets(), &frame));
         seconds += started.elapsed().as_secs_f64();
         steps += 1;
         before = Some(record.timestamp_ns);
     }
+    bar.finish_and_clear();
     Ok(Followed { estimates, milliseconds: 1e3 * seconds / f64::from(steps.max(1)) })
 }
 
@@ -91,6 +111,7 @@ mod tests {
             problem: None,
             up: Some(up),
             height_m: 1.4,
+            height: -1,
             single: Vec::new(),
             oracle: Vec::new(),
             plain: Vec::new(),

@@ -1,6 +1,6 @@
 //! One thread's eyes and searches.
 
-use super::{Found, Job, Record, oracle, write_evidence};
+use super::{Evidence, Found, Job, Record, oracle};
 use crate::dataset::euroc::Shot;
 use crate::eyes::{Eyes, EyesError};
 use crate::frame::Frame;
@@ -75,6 +75,7 @@ impl<'a> Worker<'a> {
             fingerprint: String::new(),
             problem: None,
             up: None,
+            height: 0,
             height_m: self.job.height_m.unwrap_or(NOMINAL_HEIGHT_M),
             single: Vec::new(),
             oracle: Vec::new(),
@@ -144,7 +145,9 @@ impl<'a> Worker<'a> {
         record.height_m = self.job.height_m.unwrap_or(found);
         // A score of 0 says nothing.
         record.single = Found::all(&fix.answer).into_iter().filter(|found| found.score > 0).collect();
-        write_evidence(&self.job.evidence_file(record.timestamp_ns), self.locator.table())?;
+        record.height = fix.height;
+        let evidence = Evidence::new(|height, table| sight::evidence(ranges, height, sighting, table));
+        evidence.write(&self.job.evidence_file(record.timestamp_ns))?;
         clock.stage("write");
         let (scan, confidence) = sight::scan(ranges, fix.height, sighting);
         record.plain = self.paper(&scan, &confidence, Similarity::Plain)?;
