@@ -35,7 +35,7 @@ pub(super) struct Evaluate {
     /// Camera calibration: a Kalibr camera-imu chain .yaml
     #[arg(long, value_name = "FILE")]
     calib: PathBuf,
-    /// The recording in the EuRoC layout: cam0/data.csv, cam0/data/, likewise cam1
+    /// The recording: cam0/data.csv lists the frames in cam0/data, likewise cam1
     #[arg(long, value_name = "DIR")]
     dataset: PathBuf,
     /// True poses of cam0 in the map: timestamp tx ty tz qx qy qz qw
