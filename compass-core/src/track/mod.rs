@@ -27,7 +27,7 @@ const NAT: i32 = 256;
 /// The share of what no motion explains, for each pose.
 const JUMP: i32 = -9 * NAT;
 /// No pose loses more than this against the best of a frame.
-const LOSS: i32 = 8 * NAT;
+const LOSS: i32 = 4 * NAT;
 /// Hypotheses this far below the best are dropped: were they right, the share for jumps would bring them back.
 const NEGLIGIBLE: i32 = 10 * NAT;
 

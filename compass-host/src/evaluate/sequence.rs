@@ -14,6 +14,11 @@ use std::time::Instant;
 /// From this lead on, nats, a frame's answer is nearly always right.
 const SURE_NATS: f64 = 100.0;
 
+/// So many sure frames tell the height.
+const TELLING: usize = 9;
+/// Heights this many rungs apart are the same: 13 %.
+const ALIKE: u8 = 2;
+
 /// What a sequence came to.
 #[derive(Debug)]
 pub struct Followed {
@@ -26,8 +31,8 @@ pub struct Followed {
 /// Follows the records in the order of time, with the evidence that was kept of them. Where nothing was seen the
 /// estimate stays.
 ///
-/// Whoever carries the cameras keeps their height: a frame that is not sure of its answer, and so of the height it was
-/// found with, is searched anew at the height of the last one that was.
+/// Whoever carries the cameras keeps their height: a frame that was searched at another height than the sure ones before
+/// it is searched anew at theirs.
 ///
 /// # Errors
 /// Names a file of evidence that cannot be read.
@@ -38,7 +43,7 @@ pub fn follow(
     odometry: Option<&Trajectory>,
 ) -> Result<Followed> {
     let mut track = Track::new();
-    let (mut before, mut known): (Option<u64>, Option<i8>) = (None, None);
+    let (mut before, mut sure): (Option<u64>, Vec<i8>) = (None, Vec::new());
     let (mut estimates, mut seconds, mut steps) = (Vec::with_capacity(records.len()), 0.0, 0);
     let bar = progress(records.len(), "following");
     for record in records {
@@ -50,9 +55,11 @@ pub fn follow(
         let evidence = Evidence::read(&job.evidence_file(record.timestamp_ns))?;
         let started = Instant::now();
         if record.margin() >= SURE_NATS {
-            known = Some(record.height);
+            sure.push(record.height);
         }
-        let height = known.unwrap_or(record.height);
+        let usual = usual(&sure).unwrap_or(record.height);
+        // What a frame found itself is kept where it is near.
+        let height = if usual.abs_diff(record.height) <= ALIKE { record.height } else { usual };
         let modes: Vec<Mode> = if height == record.height {
             record.single.iter().map(Mode::from).collect()
         } else {
@@ -73,6 +80,13 @@ pub fn follow(
     }
     bar.finish_and_clear();
     Ok(Followed { estimates, milliseconds: 1e3 * seconds / f64::from(steps.max(1)) })
+}
+
+/// The median height of the last sure frames, rungs.
+fn usual(sure: &[i8]) -> Option<i8> {
+    let mut last = sure[sure.len().saturating_sub(TELLING)..].to_vec();
+    last.sort_unstable();
+    last.get(last.len() / 2).copied()
 }
 
 /// A pose of cam0 with all its axes: z is its height above the floor, and the frame tells which way is up.

@@ -16,6 +16,10 @@ const WORST_M: f64 = 2.0;
 /// Radius of a fix in pixels, and width of its rim.
 const DOT: f64 = 8.0;
 const RIM: f64 = 2.0;
+/// Radius of a position of the track in pixels.
+const TRACK_DOT: f64 = 4.0;
+/// Longer steps of the track are not drawn, metres.
+const JUMP_M: f64 = 5.0;
 
 /// A position that was found.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -88,8 +92,11 @@ pub fn draw_trajectory(
             }
         }
         for piece in data.track {
-            let piece: Vec<Px> = piece.iter().map(|&at| px(at)).collect();
-            canvas.line(&piece, Pen::solid(FOUND, 4.0))?;
+            // Segment by segment: joints of thick lines at sharp turns would stick out.
+            for pair in piece.windows(2).filter(|pair| distance(pair[0], pair[1]) < JUMP_M) {
+                canvas.line(&[px(pair[0]), px(pair[1])], Pen::solid(FOUND, 4.0))?;
+            }
+            piece.iter().try_for_each(|&at| canvas.disc(px(at), TRACK_DOT, FOUND))?;
         }
         data.fixes.iter().try_for_each(|fix| draw_fix(canvas, px(fix.position), fix))?;
         axes.draw_frame(canvas)?;
@@ -100,7 +107,11 @@ pub fn draw_trajectory(
 }
 
 fn draw_fix(canvas: &Canvas<'_>, at: Px, fix: &Fix) -> Result<(), DrawError> {
-    let error = fix.truth.map(|[x, y]| (fix.position[0] - x).hypot(fix.position[1] - y));
+    let error = fix.truth.map(|truth| distance(fix.position, truth));
     canvas.disc(at, DOT + RIM, INK)?;
     canvas.disc(at, DOT, error.map_or(MUTED, |error| viridis(error / WORST_M)))
+}
+
+fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
 }
