@@ -25,6 +25,7 @@
 //! | [`segments`] | line segments of an image, by edge drawing |
 //! | [`attitude`] | up vector and the building's axes from vanishing points |
 //! | [`windows`] | windows and hit type of every direction |
+//! | [`track`] | the belief over a sequence of frames |
 //!
 //! Memory is lent by the caller throughout; "nothing found" is `None`; errors are small `Copy` enums.
 //!
@@ -58,6 +59,7 @@ pub mod similarity;
 pub mod site;
 pub mod site_map;
 pub mod spectrum;
+pub mod track;
 pub mod windows;
 
 /// The README's example, compiled.

@@ -6,6 +6,7 @@ pub mod commands;
 pub mod compare;
 pub mod cross_modal;
 pub mod dataset;
+pub mod evaluate;
 pub mod eyes;
 pub mod figures;
 pub mod frame;

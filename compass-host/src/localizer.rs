@@ -70,8 +70,21 @@ impl<'a> Localizer<'a> {
     /// # Errors
     /// Never for a localizer made by [`Localizer::new`].
     pub fn locate(&mut self, scan: &Scan, options: &MatchOptions) -> Result<Answer> {
+        self.locate_masked(scan, &Confidence::CERTAIN, options)
+    }
+
+    /// The same for a scan of which not every bin is certain.
+    ///
+    /// # Errors
+    /// As [`Localizer::locate`].
+    pub fn locate_masked(
+        &mut self,
+        scan: &Scan,
+        confidence: &Confidence,
+        options: &MatchOptions,
+    ) -> Result<Answer> {
         let descriptor = Descriptor::from(scan);
-        self.query.set(&descriptor, &Confidence::CERTAIN, options.weights, options.similarity);
+        self.query.set(&descriptor, confidence, options.weights, options.similarity);
         let signature = options.prefilter.map(|keep| {
             let signature = Signature::new(scan);
             (signature, nearest_signatures(&self.map, &signature, keep as usize))

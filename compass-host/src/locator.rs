@@ -2,7 +2,7 @@
 
 use crate::site_file::Storey;
 use compass_core::boundary::Ranges;
-use compass_core::likelihood::{Mode, Rows, Sheet, Table};
+use compass_core::likelihood::{Answer, Mode, Rows, Sheet, Table, answer, refine, search};
 use compass_core::locate::{Fix, Work, locate};
 use compass_core::windows::level::Sighting;
 
@@ -52,5 +52,19 @@ impl<'a> Locator<'a> {
     pub fn locate(&mut self, ranges: &Ranges, height: Option<i8>, sighting: &Sighting) -> Fix {
         let Self { sheets, table, rows, pool } = self;
         locate(ranges, height, sighting, sheets, &mut Work { table, rows, pool, modes: MODES })
+    }
+
+    /// Finds the pose that explains some evidence best, which `fill` writes into the table.
+    pub fn explain(&mut self, fill: impl FnOnce(&mut Table)) -> Answer {
+        let Self { sheets, table, rows, pool } = self;
+        fill(table);
+        rows.set(table);
+        let found = search(rows, sheets, |_, _| true, pool);
+        let wanted = found.min(MODES);
+        let mut modes: Vec<Mode> = Vec::with_capacity(wanted);
+        for mode in &pool[..wanted] {
+            modes.extend(sheets.get(usize::from(mode.sheet)).map(|sheet| refine(table, sheet, *mode)));
+        }
+        answer(sheets, &mut modes)
     }
 }

@@ -23,4 +23,4 @@ pub use search::{Mode, Sheet, search};
 pub use table::{LIMIT, OPEN_PLANE, PLANES, RANGES, RUNG_MM, Table, plane_of};
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -54,7 +54,7 @@ impl Mode {
         Self { sheet: 0, at: Point::new(Metres::ZERO, Metres::ZERO), heading: Turn::ZERO, score: i32::MIN };
 
     /// Higher score first; equal ones by sheet, row, column and heading.
-    pub(super) fn order(&self) -> impl Ord + use<> {
+    pub(crate) fn order(&self) -> impl Ord + use<> {
         (Reverse(self.score), self.sheet, self.at.y, self.at.x, self.heading)
     }
 

@@ -36,13 +36,13 @@ fn fill(mask: &mut [u8], boxes: &[[u32; 4]]) {
     }
 }
 
-struct Building {
+pub(crate) struct Building {
     plan: Vec<u8>,
     map: Vec<u8>,
 }
 
 impl Building {
-    fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let len = BitMask::row_bytes(WIDTH) * HEIGHT as usize;
         let (mut walls, mut windows) = (vec![0; len], vec![0; len]);
         fill(&mut walls, &WALLS);
@@ -79,14 +79,14 @@ impl Building {
         Self { plan: bytes, map }
     }
 
-    fn sheet(&self) -> Sheet<'_> {
+    pub(crate) fn sheet(&self) -> Sheet<'_> {
         let (map, plan) = (SiteMap::new(&self.map).unwrap(), Plan::new(&self.plan).unwrap());
         Sheet { map, layer: 0, plan, floor: 0 }
     }
 }
 
 /// What a fair observer at a pose writes: a third unknown, a tenth at the wrong range.
-fn evidence(scan: &Scan, random: &mut impl FnMut() -> u32) -> Box<Table> {
+pub(crate) fn evidence(scan: &Scan, random: &mut impl FnMut() -> u32) -> Box<Table> {
     let mut table = Box::new(Table::EMPTY);
     for bin in 0..BINS {
         let fate = random() % 30;
@@ -105,7 +105,7 @@ fn evidence(scan: &Scan, random: &mut impl FnMut() -> u32) -> Box<Table> {
     table
 }
 
-fn point(x: f64, y: f64) -> Point {
+pub(crate) fn point(x: f64, y: f64) -> Point {
     Point::new(Metres::from_num(x), Metres::from_num(y))
 }
 

@@ -232,7 +232,7 @@ impl CameraArgs {
 }
 
 /// A height of the camera within what can be told apart.
-fn height(text: &str) -> Result<f32, String> {
+pub(super) fn height(text: &str) -> Result<f32, String> {
     let [least, most] = HEIGHTS_M;
     let metres = finite(text)? as f32;
     let good = (least..=most).contains(&metres);

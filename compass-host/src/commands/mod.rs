@@ -6,6 +6,7 @@ mod compare_hits;
 mod debug;
 mod demo;
 mod describe;
+mod evaluate;
 mod gravity;
 mod localize;
 mod map;
@@ -39,6 +40,8 @@ enum Command {
     Map(map::Map),
     /// Find floor, position and heading on a site
     Localize(localize::Localize),
+    /// Localize a recording frame by frame and as a sequence, and hold it against the truth
+    Evaluate(evaluate::Evaluate),
     /// Compare the fixed-point core with the float reference, stage by stage
     Compare(compare::Compare),
     /// Compare window or wall as the cameras see it with the plan at a known pose
@@ -75,6 +78,7 @@ impl Cli {
             Command::Describe(command) => command.run(),
             Command::Map(command) => command.run(),
             Command::Localize(command) => command.run(),
+            Command::Evaluate(command) => command.run(),
             Command::Compare(command) => command.run(),
             Command::CompareHits(command) => command.run(),
             Command::Segments(command) => command.run(),

@@ -1,4 +1,6 @@
 //! Recordings and what belongs to them.
 
+pub mod euroc;
 pub mod imu;
+pub mod trajectory;
 pub mod tum;

@@ -24,6 +24,8 @@ mod seen;
 mod site_map;
 mod style;
 mod text;
+mod timeline;
+mod trajectory;
 
 pub use correlation::{Curve, Shifts, draw_correlation};
 pub use descriptor::{draw_descriptor, draw_descriptors};
@@ -41,6 +43,8 @@ pub use ring::{RingPicture, draw_ring};
 pub use seen::draw_seen;
 pub use site_map::{MapPose, Scores, SiteMapPicture, draw_site_map};
 pub use style::{AGREE, DISAGREE, OPEN, WALL, WIDTH_PX, WINDOW};
+pub use timeline::{ErrorCurve, draw_errors_over_time, draw_reliability};
+pub use trajectory::{Fix, TrajectoryPicture, draw_trajectory};
 
 #[cfg(test)]
 mod tests;

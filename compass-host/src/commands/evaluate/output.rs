@@ -1,0 +1,107 @@
+//! The result of an evaluation for people and programs.
+
+use crate::evaluate::{Found, Misses, Row};
+use crate::output::Decimal;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+#[derive(Debug, Serialize)]
+pub(super) struct Output<'a> {
+    pub(super) frames: usize,
+    /// How many of them an earlier run had finished.
+    pub(super) resumed: usize,
+    /// Frames with a truth.
+    pub(super) scored: usize,
+    /// Frames in which nothing could be seen.
+    pub(super) unseen: usize,
+    pub(super) rows: Vec<Row>,
+    pub(super) milliseconds: BTreeMap<String, Decimal>,
+    pub(super) report: PathBuf,
+    pub(super) results: Vec<Frame<'a>>,
+}
+
+#[derive(Debug, Serialize)]
+pub(super) struct Frame<'a> {
+    pub(super) timestamp_ns: u64,
+    /// Why nothing could be seen.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) problem: Option<&'a str>,
+    /// Lead of the single frame's pose over the best one elsewhere, nats.
+    pub(super) margin: Decimal,
+    pub(super) single: Option<Placed<'a>>,
+    pub(super) track: Option<Tracked<'a>>,
+    pub(super) oracle: Option<Placed<'a>>,
+    pub(super) paper_plain: Option<Placed<'a>>,
+    pub(super) paper_centred: Option<Placed<'a>>,
+}
+
+#[derive(Debug, Serialize)]
+pub(super) struct Tracked<'a> {
+    #[serde(flatten)]
+    pub(super) placed: Placed<'a>,
+    pub(super) probability: Decimal,
+    pub(super) spread_m: Decimal,
+}
+
+/// A pose and how far it is off; null on another floor.
+#[derive(Debug, Serialize)]
+pub(super) struct Placed<'a> {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    floor: Option<&'a str>,
+    x: Decimal,
+    y: Decimal,
+    heading_deg: Decimal,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    position_error_m: Option<Decimal>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    heading_error_deg: Option<Decimal>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    challenge_score: Option<Decimal>,
+}
+
+impl<'a> Placed<'a> {
+    pub(super) fn new(found: &Found, floor: Option<&'a str>, misses: Option<Misses>) -> Self {
+        let [x, y] = found.position().map(Decimal);
+        Self {
+            floor,
+            x,
+            y,
+            heading_deg: Decimal(found.heading_deg()),
+            position_error_m: misses.map(|misses| Decimal(misses.metres)),
+            heading_error_deg: misses.map(|misses| Decimal(misses.degrees)),
+            challenge_score: misses.map(|misses| Decimal(misses.score())),
+        }
+    }
+}
+
+impl Output<'_> {
+    /// The table of recall and what else there is to say.
+    pub(super) fn summary(&self) -> String {
+        let mut text = format!(
+            "{} frames, {} with a truth, {} unseen, {} from an earlier run\n",
+            self.frames, self.scored, self.unseen, self.resumed
+        );
+        let _ = writeln!(text, "{:<15} frames  median     0.1 m  0.5 m    1 m  1 m 30\u{b0}  score", "");
+        for row in &self.rows {
+            let percent = |share: Decimal| 100.0 * share.0;
+            let _ = writeln!(
+                text,
+                "{:<15} {:>6}  {:>6.2} m  {:>5.1}  {:>5.1}  {:>5.1}  {:>7.1}  {:>5.1}",
+                row.name,
+                row.scored,
+                row.median_position_error_m.0,
+                percent(row.recall_at_0_1_m),
+                percent(row.recall_at_0_5_m),
+                percent(row.recall_at_1_m),
+                percent(row.recall_at_1_m_30_deg),
+                row.challenge_score.0,
+            );
+        }
+        let stages: Vec<_> =
+            self.milliseconds.iter().map(|(stage, ms)| format!("{stage} {:.1}", ms.0)).collect();
+        let _ = writeln!(text, "milliseconds: {}\nreport {}", stages.join(", "), self.report.display());
+        text
+    }
+}

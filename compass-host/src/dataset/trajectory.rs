@@ -1,0 +1,101 @@
+//! Trajectories between their poses.
+
+use super::tum::{self, Pose, TumError};
+use compass_core::track::Motion;
+use std::path::Path;
+
+/// Poses farther apart than this are not interpolated, nanoseconds.
+const GAP_NS: u64 = 1_000_000_000;
+/// Beside a gap, the nearest pose stands in up to this far, nanoseconds.
+const NEAR_NS: u64 = 20_000_000;
+
+/// Poses in the order of time, of which none have the same.
+#[derive(Debug, Clone)]
+pub struct Trajectory {
+    poses: Vec<Pose>,
+}
+
+impl Trajectory {
+    /// Reads TUM lines, in any order; of two poses at one time the first counts.
+    ///
+    /// # Errors
+    /// [`TumError`]: a file that cannot be read or holds no pose, or a line that is none.
+    pub fn read(path: &Path) -> Result<Self, TumError> {
+        let mut poses = tum::read(path)?;
+        poses.sort_by_key(|pose| pose.timestamp_ns);
+        poses.dedup_by_key(|pose| pose.timestamp_ns);
+        Ok(Self { poses })
+    }
+
+    /// The pose at a time, interpolated between poses at most a second apart; else the nearest within 20 ms.
+    #[must_use]
+    pub fn at(&self, timestamp_ns: u64) -> Option<Pose> {
+        let next = self.poses.partition_point(|pose| pose.timestamp_ns < timestamp_ns);
+        let after = self.poses.get(next);
+        let before = next.checked_sub(1).and_then(|at| self.poses.get(at));
+        if let (Some(before), Some(after)) = (before, after)
+            && after.timestamp_ns - before.timestamp_ns <= GAP_NS
+        {
+            return Some(between(before, after, timestamp_ns));
+        }
+        let nearest = before.into_iter().chain(after).min_by_key(|p| p.timestamp_ns.abs_diff(timestamp_ns));
+        nearest.filter(|p| p.timestamp_ns.abs_diff(timestamp_ns) <= NEAR_NS).copied()
+    }
+
+    /// How cam0 moved from one time to another, if the trajectory's z points up.
+    #[must_use]
+    pub fn motion(&self, from_ns: u64, to_ns: u64) -> Option<Motion> {
+        let (from, to) = (self.at(from_ns)?, self.at(to_ns)?);
+        let way = to.position - from.position;
+        let heading = from.heading_deg().to_radians();
+        let (sin, cos) = (libm::sin(heading), libm::cos(heading));
+        let turn = (to.heading_deg() - from.heading_deg() + 180.0).rem_euclid(360.0) - 180.0;
+        Some(Motion {
+            forward_m: (way.x * cos + way.y * sin) as f32,
+            left_m: (way.y * cos - way.x * sin) as f32,
+            turn: turn.to_radians() as f32,
+        })
+    }
+}
+
+fn between(before: &Pose, after: &Pose, timestamp_ns: u64) -> Pose {
+    let whole = (after.timestamp_ns - before.timestamp_ns) as f64;
+    let share = (timestamp_ns - before.timestamp_ns) as f64 / whole;
+    // Half a turn apart there is no shortest way.
+    let nearest = if share < 0.5 { before } else { after };
+    let rotation = before.rotation.try_slerp(&after.rotation, share, 1e-9).unwrap_or(nearest.rotation);
+    Pose { timestamp_ns, position: before.position.lerp(&after.position, share), rotation }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn trajectory() -> Trajectory {
+        let pose = |time, x, heading| Pose::looking(time, [x, 2.0, 1.5], heading, 10.0, 180.0);
+        let poses = vec![pose(1_000_000_000, 1.0, 170.0), pose(1_500_000_000, 2.0, -170.0)];
+        Trajectory { poses: [poses, vec![pose(9_000_000_000, 5.0, 0.0)]].concat() }
+    }
+
+    #[test]
+    fn poses_are_interpolated_but_not_across_gaps() {
+        let trajectory = trajectory();
+        let middle = trajectory.at(1_250_000_000).unwrap();
+        assert!((middle.position.x - 1.5).abs() < 1e-9);
+        assert!((middle.heading_deg().abs() - 180.0).abs() < 0.1, "{}", middle.heading_deg());
+        assert_eq!(trajectory.at(1_500_000_000).unwrap().position.x, 2.0);
+        assert_eq!(trajectory.at(1_510_000_000).unwrap().position.x, 2.0);
+        for none in [0, 2_000_000_000, 8_900_000_000, 9_100_000_000] {
+            assert!(trajectory.at(none).is_none(), "{none}");
+        }
+    }
+
+    #[test]
+    fn motion_is_told_in_the_first_pose() {
+        let motion = trajectory().motion(1_000_000_000, 1_500_000_000).unwrap();
+        assert!((motion.forward_m + 170f32.to_radians().cos().abs()).abs() < 1e-6, "{motion:?}");
+        assert!((motion.left_m + 170f32.to_radians().sin()).abs() < 1e-6, "{motion:?}");
+        assert!((motion.turn - 20f32.to_radians()).abs() < 1e-6, "{motion:?}");
+        assert!(trajectory().motion(1_000_000_000, 5_000_000_000).is_none());
+    }
+}

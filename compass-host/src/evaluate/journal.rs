@@ -1,0 +1,164 @@
+//! Records as lines of a file, so that an interrupted run continues.
+
+use super::Record;
+use crate::output::write_file;
+use anyhow::{Context as _, Result};
+use std::collections::HashMap;
+use std::fs::{File, OpenOptions};
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// The finished records, in memory and as `frames.jsonl`.
+#[derive(Debug)]
+pub struct Journal {
+    path: PathBuf,
+    fingerprints: HashMap<u64, String>,
+    inner: Mutex<(File, HashMap<u64, Record>)>,
+}
+
+impl Journal {
+    /// Opens a journal for frames with these fingerprints. What is in the file but has another fingerprint, is not
+    /// `whole` or is no line of a journal is dropped.
+    ///
+    /// # Errors
+    /// Names the file.
+    pub fn open(
+        path: &Path,
+        fingerprints: HashMap<u64, String>,
+        whole: impl Fn(&Record) -> bool,
+    ) -> Result<Self> {
+        let text = match std::fs::read(path) {
+            Ok(bytes) => String::from_utf8_lossy(&bytes).into_owned(),
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => String::new(),
+            Err(error) => return Err(error).with_context(|| format!("{}: cannot be read", path.display())),
+        };
+        let mut records = HashMap::new();
+        let mut kept = String::new();
+        for line in text.lines() {
+            let Ok(record) = serde_json::from_str::<Record>(line) else { continue };
+            let known = fingerprints.get(&record.timestamp_ns);
+            if known == Some(&record.fingerprint)
+                && !records.contains_key(&record.timestamp_ns)
+                && whole(&record)
+            {
+                kept.push_str(line);
+                kept.push('\n');
+                records.insert(record.timestamp_ns, record);
+            }
+        }
+        write_file(path, kept.as_bytes())?;
+        let file = OpenOptions::new().append(true).open(path);
+        let file = file.with_context(|| format!("{}: cannot be written", path.display()))?;
+        Ok(Self { path: path.to_path_buf(), fingerprints, inner: Mutex::new((file, records)) })
+    }
+
+    /// How many records there are.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.lock().1.len()
+    }
+
+    /// Whether there is none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The record of a frame.
+    #[must_use]
+    pub fn get(&self, timestamp_ns: u64) -> Option<Record> {
+        self.lock().1.get(&timestamp_ns).cloned()
+    }
+
+    /// Adds a record under its frame's fingerprint.
+    ///
+    /// # Errors
+    /// Names the file.
+    pub fn add(&self, mut record: Record) -> Result<()> {
+        record.fingerprint = self.fingerprints.get(&record.timestamp_ns).cloned().unwrap_or_default();
+        let line = serde_json::to_string(&record)? + "\n";
+        let mut inner = self.lock();
+        let written = inner.0.write_all(line.as_bytes());
+        written.with_context(|| format!("{}: cannot be written", self.path.display()))?;
+        inner.1.insert(record.timestamp_ns, record);
+        Ok(())
+    }
+
+    /// A panic elsewhere leaves whole lines.
+    fn lock(&self) -> MutexGuard<'_, (File, HashMap<u64, Record>)> {
+        self.inner.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// A running 64-bit FNV-1a hash.
+#[derive(Debug, Clone, Copy)]
+pub struct Fingerprint(u64);
+
+impl Fingerprint {
+    /// Of this version of the program.
+    #[must_use]
+    pub fn new() -> Self {
+        Self(0xcbf2_9ce4_8422_2325).of(env!("CARGO_PKG_VERSION").as_bytes())
+    }
+
+    /// With these bytes and their number.
+    #[must_use]
+    pub fn of(self, bytes: &[u8]) -> Self {
+        let step = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
+        Self(bytes.iter().chain(&(bytes.len() as u64).to_le_bytes()).fold(self.0, step))
+    }
+
+    /// As text.
+    #[must_use]
+    pub fn text(self) -> String {
+        format!("{:016x}", self.0)
+    }
+}
+
+impl Default for Fingerprint {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeMap;
+
+    fn record(timestamp_ns: u64) -> Record {
+        Record {
+            timestamp_ns,
+            fingerprint: String::new(),
+            problem: None,
+            up: Some([0.1, -0.9, 0.3]),
+            height_m: 1.7,
+            height: 2,
+            single: vec![super::super::Found { sheet: 1, x: -5 << 32, y: 7, heading: u32::MAX, score: -3 }],
+            oracle: Vec::new(),
+            plain: Vec::new(),
+            centred: Vec::new(),
+            milliseconds: BTreeMap::from([("locate".to_owned(), 12.25)]),
+        }
+    }
+
+    #[test]
+    fn an_interrupted_journal_continues() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("frames.jsonl");
+        let prints = |text: &str| HashMap::from([1, 2, 3].map(|time| (time, text.to_owned())));
+        let journal = Journal::open(&path, prints("a"), |_| true).unwrap();
+        for time in [1, 2, 3] {
+            journal.add(record(time)).unwrap();
+        }
+        let bytes = std::fs::read(&path).unwrap();
+        std::fs::write(&path, &bytes[..bytes.len() - 20]).unwrap();
+        let journal = Journal::open(&path, prints("a"), |record| record.timestamp_ns != 2).unwrap();
+        assert_eq!(journal.len(), 1, "the last line was cut off, the second is not whole");
+        assert_eq!(journal.get(1), Some(Record { fingerprint: "a".into(), ..record(1) }));
+        journal.add(record(3)).unwrap();
+        assert_eq!(Journal::open(&path, prints("a"), |_| true).unwrap().len(), 2);
+        assert!(Journal::open(&path, prints("b"), |_| true).unwrap().is_empty());
+    }
+}

@@ -1,0 +1,99 @@
+//! Localizing a recording, frame by frame and as a sequence, and holding the answers against the truth.
+//!
+//! frames -> one [`Record`] each, on all cores, kept in a [`Journal`] so that an interrupted run continues ->
+//! the [track](sequence::follow) -> [`Row`]s of errors, one for each way of localizing.
+//!
+//! Beside the answer from the frame there are two more for each frame. The *oracle* is the same search with evidence
+//! that the plan itself gives at the true pose: what it loses the matcher loses. The *paper's* is the five-channel
+//! cosine of the descriptor of what was seen.
+
+mod evidence_file;
+mod journal;
+mod oracle;
+mod record;
+pub mod report;
+mod row;
+pub mod sequence;
+mod worker;
+
+pub use evidence_file::Evidence;
+pub use journal::{Fingerprint, Journal};
+pub use oracle::sharp;
+pub use record::{Found, Record};
+pub use row::{Judge, Misses, Row};
+pub use worker::Worker;
+
+use crate::calibration::Calibration;
+use crate::dataset::euroc::Shot;
+use crate::dataset::trajectory::Trajectory;
+use crate::eyes::Mount;
+use crate::site::progress;
+use crate::site_file::Storey;
+use anyhow::{Context as _, Result};
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+/// What to localize, and with what.
+#[derive(Debug)]
+pub struct Job<'a> {
+    /// The floors.
+    pub storeys: &'a [Storey<'a>],
+    /// The cameras.
+    pub calibration: &'a Calibration,
+    /// Which side of cam0's image is up.
+    pub mount: Mount,
+    /// Height of cam0 above the floor in metres, where it is known.
+    pub height_m: Option<f32>,
+    /// Where cam0 was.
+    pub truth: &'a Trajectory,
+    /// The number of the floor that the truth lies on.
+    pub floor: usize,
+    /// Where evidence is kept.
+    pub evidence: &'a Path,
+}
+
+impl Job<'_> {
+    /// The file that keeps the evidence of a frame.
+    #[must_use]
+    pub fn evidence_file(&self, timestamp_ns: u64) -> PathBuf {
+        self.evidence.join(format!("{timestamp_ns}.png"))
+    }
+}
+
+/// Localizes the shots that the journal lacks, `jobs` at a time, and returns the records of all in their order.
+///
+/// # Errors
+/// Names the file of the first frame that cannot be read, or the output that cannot be written.
+pub fn localize(job: &Job<'_>, shots: &[Shot], journal: &Journal, jobs: usize) -> Result<Vec<Record>> {
+    let open: Vec<&Shot> = shots.iter().filter(|shot| journal.get(shot.timestamp_ns).is_none()).collect();
+    let bar = progress(open.len(), "localizing frames");
+    let (next, stop, failed) = (AtomicUsize::new(0), AtomicBool::new(false), Mutex::new(None));
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs.min(open.len()).max(1)).build()?;
+    pool.broadcast(|_| {
+        let mut worker = None;
+        while !stop.load(Ordering::Relaxed)
+            && let Some(shot) = open.get(next.fetch_add(1, Ordering::Relaxed))
+        {
+            let worked = worker
+                .get_or_insert_with(|| Worker::new(job))
+                .as_mut()
+                .context("a floor has no plan to refine poses on")
+                .and_then(|worker| worker.record(shot))
+                .and_then(|record| journal.add(record));
+            if let Err(error) = worked {
+                stop.store(true, Ordering::Relaxed);
+                // A panic elsewhere does not spoil an error.
+                failed.lock().unwrap_or_else(std::sync::PoisonError::into_inner).get_or_insert(error);
+            }
+            bar.inc(1);
+        }
+    });
+    bar.finish_and_clear();
+    match failed.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner) {
+        Some(error) => Err(error),
+        None => {
+            shots.iter().map(|shot| journal.get(shot.timestamp_ns).context("a frame has no result")).collect()
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! What came of one frame, as a line of JSON.
+
+use compass_core::likelihood::{Answer, Mode};
+use compass_core::num::{Metres, Point, Turn};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// A pose that was found, to the bit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Found {
+    /// Number of the sheet.
+    pub sheet: u8,
+    /// Bits of [`Metres`].
+    pub x: i64,
+    /// Bits of [`Metres`].
+    pub y: i64,
+    /// Bits of [`Turn`].
+    pub heading: u32,
+    /// In 1/16 nat; of a cosine its bits.
+    pub score: i32,
+}
+
+/// What came of one frame.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Record {
+    /// The time of the frame.
+    pub timestamp_ns: u64,
+    /// What it was made from: hexadecimal.
+    pub fingerprint: String,
+    /// Why nothing could be seen.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub problem: Option<String>,
+    /// The up vector in cam0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub up: Option<[f32; 3]>,
+    /// Height of cam0 above the floor in metres: that given, or that found.
+    pub height_m: f32,
+    /// The same in rungs.
+    pub height: i8,
+    /// The frame by itself: the best pose and its alternatives.
+    pub single: Vec<Found>,
+    /// The same search with what the plan says at the true pose.
+    pub oracle: Vec<Found>,
+    /// The paper's cosine.
+    pub plain: Vec<Found>,
+    /// The cosine after each channel's mean is removed.
+    pub centred: Vec<Found>,
+    /// By stage.
+    pub milliseconds: BTreeMap<String, f64>,
+}
+
+impl From<&Mode> for Found {
+    fn from(mode: &Mode) -> Self {
+        let Mode { sheet, at, heading, score } = *mode;
+        Self { sheet, x: at.x.to_bits(), y: at.y.to_bits(), heading: heading.to_bits(), score }
+    }
+}
+
+impl From<&Found> for Mode {
+    fn from(found: &Found) -> Self {
+        let at = Point::new(Metres::from_bits(found.x), Metres::from_bits(found.y));
+        Self { sheet: found.sheet, at, heading: Turn::from_bits(found.heading), score: found.score }
+    }
+}
+
+impl Found {
+    /// All poses of an answer.
+    #[must_use]
+    pub fn all(answer: &Answer) -> Vec<Self> {
+        answer.modes().iter().map(Self::from).collect()
+    }
+
+    /// Position in metres.
+    #[must_use]
+    pub fn position(&self) -> [f64; 2] {
+        [self.x, self.y].map(|bits| Metres::from_bits(bits).to_num())
+    }
+
+    /// Heading in degrees, -180 to 180.
+    #[must_use]
+    pub fn heading_deg(&self) -> f64 {
+        f64::from(Turn::from_bits(self.heading).to_bits().cast_signed()) * (180.0 / 2_147_483_648.0)
+    }
+}
+
+impl Record {
+    /// By how many nats the best pose leads the best one elsewhere.
+    #[must_use]
+    pub fn margin(&self) -> f64 {
+        let score = |at: usize| self.single.get(at).map_or(0, |found| found.score);
+        f64::from(score(0).saturating_sub(score(1))) / 16.0
+    }
+}

@@ -1,0 +1,210 @@
+//! The report of an evaluation: its pictures and its page.
+
+use super::Row;
+use crate::figures::{self, ErrorCurve, ErrorSeries, Fix, PlanPicture, TrajectoryPicture};
+use crate::report::{Picture, Section, Table, write_html};
+use anyhow::Result;
+use compass_core::plan::Plan;
+use compass_core::scan::Hit;
+use std::path::Path;
+
+/// How many of the worst frames are listed.
+const WORST: usize = 12;
+
+/// One frame for the report. Errors are infinite without a pose, and not a number without a truth.
+#[derive(Debug, Clone)]
+pub struct Shown {
+    /// The time of the frame.
+    pub timestamp_ns: u64,
+    /// Where it truly was, metres.
+    pub truth: Option<[f64; 2]>,
+    /// Where it was found by itself, on the floor that is shown.
+    pub single: Option<[f64; 2]>,
+    /// Where the track had it, on the floor that is shown.
+    pub track: Option<[f64; 2]>,
+    /// Position and heading error by row of the table: metres.
+    pub metres: Vec<f64>,
+    /// The same in degrees.
+    pub degrees: Vec<f64>,
+    /// By how many nats the single answer leads.
+    pub margin: f64,
+    /// Why nothing was seen.
+    pub problem: Option<String>,
+}
+
+/// Everything that the report tells.
+#[derive(Debug)]
+pub struct Story<'a> {
+    /// The page's title.
+    pub title: &'a str,
+    /// The plan of the floor.
+    pub plan: Plan<'a>,
+    /// The ways of localizing, the single frames first, the track second.
+    pub rows: &'a [Row],
+    /// The frames in the order of time.
+    pub frames: &'a [Shown],
+    /// Whether each frame's single answer is right, where there is a truth.
+    pub right: &'a [Option<bool>],
+    /// Mean milliseconds by stage.
+    pub milliseconds: &'a [(String, f64)],
+}
+
+/// Draws the pictures and writes `report.html`.
+///
+/// # Errors
+/// Names the file that cannot be written.
+pub fn write(dir: &Path, story: &Story<'_>) -> Result<()> {
+    draw_plan(&dir.join("trajectory.png"), story)?;
+    let first = story.frames.first().map_or(0, |frame| frame.timestamp_ns);
+    let seconds: Vec<f64> = story.frames.iter().map(|f| (f.timestamp_ns - first) as f64 / 1e9).collect();
+    let errors = |row: usize| -> Vec<f64> { story.frames.iter().map(|frame| frame.metres[row]).collect() };
+    let [single, track] = [errors(0), errors(1)];
+    let curves = [
+        ErrorCurve { label: "single frames", metres: &single, joined: false },
+        ErrorCurve { label: "track", metres: &track, joined: true },
+    ];
+    figures::draw_errors_over_time(&dir.join("errors.png"), &seconds, &curves)?;
+    draw_distribution(&dir.join("recall.png"), story)?;
+    let pairs = story.frames.iter().zip(story.right);
+    let answers: Vec<_> = pairs.filter_map(|(frame, right)| Some((frame.margin, (*right)?))).collect();
+    figures::draw_reliability(&dir.join("reliability.png"), &answers)?;
+    Ok(write_html(&dir.join("report.html"), story.title, &sections(story))?)
+}
+
+fn draw_plan(path: &Path, story: &Story<'_>) -> Result<()> {
+    let truth: Vec<_> = story.frames.iter().filter_map(|frame| frame.truth).collect();
+    let fixes = story.frames.iter().filter_map(|f| Some(Fix { position: f.single?, truth: f.truth }));
+    let fixes: Vec<_> = fixes.collect();
+    let pieces: Vec<Vec<_>> = story
+        .frames
+        .split(|frame| frame.track.is_none())
+        .map(|piece| piece.iter().filter_map(|frame| frame.track).collect())
+        .collect();
+    let caption = format!("{} frames: where they were and where they were found", story.frames.len());
+    let data = TrajectoryPicture { caption: &caption, truth: &truth, fixes: &fixes, track: &pieces };
+    with_plan(&story.plan, |plan| figures::draw_trajectory(path, plan, &data))?;
+    Ok(())
+}
+
+/// Calls `draw` with a packed plan as the figures want it.
+fn with_plan<T>(plan: &Plan<'_>, draw: impl FnOnce(&PlanPicture<'_>) -> T) -> T {
+    let is = |x: u32, y: u32, hit: Hit| plan.hit_at(plan.cell_centre(x as u16, y as u16)) == Some(hit);
+    let frame = plan.frame();
+    draw(&PlanPicture {
+        width: plan.width(),
+        height: plan.height(),
+        resolution_m: f64::from(frame.resolution_nm) / 1e9,
+        origin: [frame.origin.x.to_num(), frame.origin.y.to_num()],
+        is_wall: &|x, y| is(x, y, Hit::Wall),
+        is_window: &|x, y| is(x, y, Hit::Window),
+    })
+}
+
+fn draw_distribution(path: &Path, story: &Story<'_>) -> Result<()> {
+    let scored: Vec<&Shown> = story.frames.iter().filter(|frame| frame.truth.is_some()).collect();
+    let of = |row: usize| -> [Vec<f64>; 2] {
+        let metres = scored.iter().map(|frame| frame.metres[row]).collect();
+        [metres, scored.iter().map(|frame| frame.degrees[row]).collect()]
+    };
+    let errors: Vec<_> = (0..story.rows.len()).map(of).collect();
+    let series: Vec<_> = story
+        .rows
+        .iter()
+        .zip(&errors)
+        .map(|(row, [metres, degrees])| ErrorSeries {
+            label: row.name,
+            position_m: metres,
+            heading_deg: degrees,
+        })
+        .collect();
+    Ok(figures::draw_error_cdf(path, &series)?)
+}
+
+fn sections(story: &Story<'_>) -> Vec<Section> {
+    let picture = |file: &str, caption: &str| Picture { file: file.into(), caption: caption.into() };
+    vec![
+        Section {
+            title: "How well?".into(),
+            text: vec![
+                "Single: each frame by itself. Track: the sequence, each frame with those before it. Oracle: the same \
+                 search as for single frames, with evidence that the plan gives at the true pose; what it misses \
+                 the matcher misses. Paper: the five-channel cosine of what was seen, plain and centred."
+                    .into(),
+            ],
+            tables: vec![recall(story.rows)],
+            pictures: vec![
+                picture("trajectory.png", "Truth, frames by themselves and track over the plan"),
+                picture("errors.png", "Position error over time"),
+                picture("recall.png", "Share of frames by error"),
+            ],
+        },
+        Section {
+            title: "When to believe it".into(),
+            pictures: vec![picture("reliability.png", "Right answers by margin")],
+            ..Section::default()
+        },
+        Section { title: "Worst frames".into(), tables: vec![worst(story)], ..Section::default() },
+        Section {
+            title: "Time".into(),
+            tables: vec![Table {
+                caption: "Mean milliseconds of a frame, one thread".into(),
+                ..Table::pairs(story.milliseconds.iter().map(|(stage, ms)| (stage.clone(), format!("{ms:.1}"))))
+            }],
+            ..Section::default()
+        },
+    ]
+}
+
+fn recall(rows: &[Row]) -> Table {
+    let head = ["", "frames", "median (m)", "median (deg)", "0.1 m", "0.5 m", "1 m", "1 m, 30 deg", "score"];
+    let cells = |row: &Row| {
+        let percent = |share: f64| format!("{:.1} %", 100.0 * share);
+        vec![
+            row.name.to_owned(),
+            row.scored.to_string(),
+            metric(row.median_position_error_m.0, 2),
+            metric(row.median_heading_error_deg.0, 1),
+            percent(row.recall_at_0_1_m.0),
+            percent(row.recall_at_0_5_m.0),
+            percent(row.recall_at_1_m.0),
+            percent(row.recall_at_1_m_30_deg.0),
+            format!("{:.1}", row.challenge_score.0),
+        ]
+    };
+    Table {
+        caption: "Recall, and the mean of 100 exp(-0.46 error)".into(),
+        head: head.map(String::from).into(),
+        rows: rows.iter().map(cells).collect(),
+    }
+}
+
+/// A number, or a dash for what was not found.
+fn metric(value: f64, digits: usize) -> String {
+    if value.is_finite() { format!("{value:.digits$}") } else { "\u{2013}".to_owned() }
+}
+
+fn worst(story: &Story<'_>) -> Table {
+    let mut frames: Vec<&Shown> = story.frames.iter().filter(|frame| frame.truth.is_some()).collect();
+    frames.sort_by(|a, b| b.metres[0].total_cmp(&a.metres[0]));
+    let at = |position: Option<[f64; 2]>| {
+        position.map_or("\u{2013}".to_owned(), |[x, y]| format!("{x:.2}, {y:.2}"))
+    };
+    let rows = frames.iter().take(WORST).map(|frame| {
+        vec![
+            format!("t {}", frame.timestamp_ns),
+            at(frame.truth),
+            at(frame.single),
+            metric(frame.metres[0], 2),
+            metric(frame.degrees[0], 1),
+            metric(frame.metres[1], 2),
+            frame.problem.clone().unwrap_or_else(|| format!("{:.1}", frame.margin)),
+        ]
+    });
+    let head =
+        ["frame (ns)", "truth (m)", "found (m)", "off (m)", "off (deg)", "track off (m)", "margin (nats)"];
+    Table {
+        caption: "By the error of the frame by itself".into(),
+        head: head.map(String::from).into(),
+        rows: rows.collect(),
+    }
+}

@@ -1,0 +1,139 @@
+//! The track of a recording, and trajectories to write.
+
+use super::{Evidence, Found, Job, Record};
+use crate::dataset::trajectory::Trajectory;
+use crate::dataset::tum::Pose;
+use crate::locator::Locator;
+use crate::site::progress;
+use anyhow::Result;
+use compass_core::likelihood::{Mode, Table};
+use compass_core::track::{Estimate, Frame, Track};
+use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
+use std::time::Instant;
+
+/// From this lead on, nats, a frame's answer is nearly always right.
+const SURE_NATS: f64 = 100.0;
+
+/// So many sure frames tell the height.
+const TELLING: usize = 9;
+/// Heights this many rungs apart are the same: 13 %.
+const ALIKE: u8 = 2;
+
+/// What a sequence came to.
+#[derive(Debug)]
+pub struct Followed {
+    /// After each record; `None` before anything was seen.
+    pub estimates: Vec<Option<Estimate>>,
+    /// Mean time of a step, milliseconds.
+    pub milliseconds: f64,
+}
+
+/// Follows the records in the order of time, with the evidence that was kept of them. Where nothing was seen the
+/// estimate stays.
+///
+/// Whoever carries the cameras keeps their height: a frame that was searched at another height than the sure ones before
+/// it is searched anew at theirs.
+///
+/// # Errors
+/// Names a file of evidence that cannot be read.
+pub fn follow(
+    job: &Job<'_>,
+    records: &[Record],
+    locator: &mut Locator<'_>,
+    odometry: Option<&Trajectory>,
+) -> Result<Followed> {
+    let mut track = Track::new();
+    let (mut before, mut sure): (Option<u64>, Vec<i8>) = (None, Vec::new());
+    let (mut estimates, mut seconds, mut steps) = (Vec::with_capacity(records.len()), 0.0, 0);
+    let bar = progress(records.len(), "following");
+    for record in records {
+        bar.inc(1);
+        if record.problem.is_some() {
+            estimates.push(track.estimate(locator.sheets()));
+            continue;
+        }
+        let evidence = Evidence::read(&job.evidence_file(record.timestamp_ns))?;
+        let started = Instant::now();
+        if record.margin() >= SURE_NATS {
+            sure.push(record.height);
+        }
+        let usual = usual(&sure).unwrap_or(record.height);
+        // What a frame found itself is kept where it is near.
+        let height = if usual.abs_diff(record.height) <= ALIKE { record.height } else { usual };
+        let modes: Vec<Mode> = if height == record.height {
+            record.single.iter().map(Mode::from).collect()
+        } else {
+            locator.explain(|table| evidence.table(height, table)).modes().to_vec()
+        };
+        let mut table = Box::new(Table::EMPTY);
+        evidence.table(height, &mut table);
+        let frame = Frame {
+            table: &table,
+            modes: &modes,
+            seconds: before.map_or(0.0, |before| (record.timestamp_ns - before) as f32 / 1e9),
+            motion: before.zip(odometry).and_then(|(before, way)| way.motion(before, record.timestamp_ns)),
+        };
+        estimates.push(track.step(locator.sheets(), &frame));
+        seconds += started.elapsed().as_secs_f64();
+        steps += 1;
+        before = Some(record.timestamp_ns);
+    }
+    bar.finish_and_clear();
+    Ok(Followed { estimates, milliseconds: 1e3 * seconds / f64::from(steps.max(1)) })
+}
+
+/// The median height of the last sure frames, rungs.
+fn usual(sure: &[i8]) -> Option<i8> {
+    let mut last = sure[sure.len().saturating_sub(TELLING)..].to_vec();
+    last.sort_unstable();
+    last.get(last.len() / 2).copied()
+}
+
+/// A pose of cam0 with all its axes: z is its height above the floor, and the frame tells which way is up.
+#[must_use]
+pub fn pose(record: &Record, found: &Found) -> Pose {
+    let [x, y] = found.position();
+    let up = record.up.map_or(-Vector3::y(), |up| Vector3::from(up).cast::<f64>());
+    let heading = found.heading_deg().to_radians();
+    let (sin, cos) = (libm::sin(heading), libm::cos(heading));
+    // Level axes in the camera and in the map: forward, left, up.
+    let forward = (Vector3::z() - up * up.z).normalize();
+    let camera = Matrix3::from_columns(&[forward, up.cross(&forward), up]);
+    let map = Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0);
+    let rotation = Rotation3::from_matrix_unchecked(map * camera.transpose());
+    Pose {
+        timestamp_ns: record.timestamp_ns,
+        position: Vector3::new(x, y, f64::from(record.height_m)),
+        rotation: UnitQuaternion::from_rotation_matrix(&rotation),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::site::{point, turn};
+
+    #[test]
+    fn a_pose_has_its_heading_and_its_up() {
+        let truth = Pose::looking(7, [3.0, -2.0, 1.4], 130.0, 20.0, 175.0);
+        let mode =
+            Mode { sheet: 0, at: point(3.0, -2.0).unwrap(), heading: turn(truth.heading_deg()), score: 1 };
+        let up: [f32; 3] = truth.up_in_camera().cast::<f32>().into();
+        let record = Record {
+            timestamp_ns: 7,
+            fingerprint: String::new(),
+            problem: None,
+            up: Some(up),
+            height_m: 1.4,
+            height: -1,
+            single: Vec::new(),
+            oracle: Vec::new(),
+            plain: Vec::new(),
+            centred: Vec::new(),
+            milliseconds: std::collections::BTreeMap::new(),
+        };
+        let back = pose(&record, &Found::from(&mode));
+        assert!((back.position - truth.position).amax() < 1e-6);
+        assert!(back.rotation.angle_to(&truth.rotation) < 1e-5, "{back:?}");
+    }
+}

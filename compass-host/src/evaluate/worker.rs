@@ -1,0 +1,193 @@
+//! One thread's eyes and searches.
+
+use super::{Evidence, Found, Job, Record, oracle};
+use crate::dataset::euroc::Shot;
+use crate::eyes::{Eyes, EyesError};
+use crate::frame::Frame;
+use crate::localizer::{Localizer, MatchOptions};
+use crate::locator::Locator;
+use crate::site;
+use anyhow::{Context as _, Result};
+use compass_core::boundary::{NOMINAL_HEIGHT_M, RUNG, Ranges, height_rungs};
+use compass_core::likelihood::Mode;
+use compass_core::num::BINS;
+use compass_core::scan::Scan;
+use compass_core::sight;
+use compass_core::similarity::{Confidence, Similarity};
+use compass_core::windows::level::Sighting;
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+/// Sizes of the frames of the two cameras.
+type Sizes = [Option<(u32, u32)>; 2];
+
+/// Eyes and searches with all their buffers, for one frame after the other.
+pub struct Worker<'a> {
+    job: &'a Job<'a>,
+    /// One for each combination of cameras that occurred.
+    eyes: Vec<(Sizes, Eyes)>,
+    locator: Locator<'a>,
+    /// The paper's, floor by floor.
+    papers: Vec<Localizer<'a>>,
+}
+
+impl std::fmt::Debug for Worker<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Worker").field("job", &self.job).finish_non_exhaustive()
+    }
+}
+
+/// Milliseconds by stage.
+struct Clock {
+    last: Instant,
+    stages: BTreeMap<String, f64>,
+}
+
+impl Clock {
+    fn stage(&mut self, name: &str) {
+        let now = Instant::now();
+        self.stages.insert(name.to_owned(), (now - self.last).as_secs_f64() * 1e3);
+        self.last = now;
+    }
+}
+
+impl<'a> Worker<'a> {
+    /// `None` if a floor has no plan to refine poses on.
+    #[must_use]
+    pub fn new(job: &'a Job<'a>) -> Option<Self> {
+        let locator = Locator::new(job.storeys)?;
+        let papers = job.storeys.iter().map(|storey| Localizer::new(storey.map)).collect();
+        Some(Self { job, eyes: Vec::new(), locator, papers })
+    }
+
+    /// Localizes a frame in every way and keeps its evidence.
+    ///
+    /// # Errors
+    /// Names the file that cannot be read or written.
+    pub fn record(&mut self, shot: &Shot) -> Result<Record> {
+        let mut clock = Clock { last: Instant::now(), stages: BTreeMap::new() };
+        let read = |camera: usize| shot.files[camera].as_deref().map(Frame::read).transpose();
+        let frames = [read(0)?, read(1)?];
+        let frames = frames.each_ref().map(Option::as_ref);
+        clock.stage("read");
+        let mut record = Record {
+            timestamp_ns: shot.timestamp_ns,
+            fingerprint: String::new(),
+            problem: None,
+            up: None,
+            height: 0,
+            height_m: self.job.height_m.unwrap_or(NOMINAL_HEIGHT_M),
+            single: Vec::new(),
+            oracle: Vec::new(),
+            plain: Vec::new(),
+            centred: Vec::new(),
+            milliseconds: BTreeMap::new(),
+        };
+        match self.see(frames, &mut clock)? {
+            Ok((sighting, ranges, up)) => {
+                record.up = Some(up);
+                self.search(&sighting, &ranges, &mut record, &mut clock)?;
+            }
+            Err(problem) => record.problem = Some(problem.to_string()),
+        }
+        self.oracle(&mut record, &mut clock);
+        record.milliseconds = clock.stages;
+        Ok(record)
+    }
+
+    /// What the eyes make of the frames, or why they make nothing of them.
+    #[expect(clippy::type_complexity)]
+    fn see(
+        &mut self,
+        frames: [Option<&Frame>; 2],
+        clock: &mut Clock,
+    ) -> Result<Result<(Sighting, Ranges, [f32; 3]), EyesError>> {
+        let (mount, height_m) = (self.job.mount, self.job.height_m);
+        let eyes = self.eyes(frames.map(|frame| frame.map(|frame| (frame.width(), frame.height()))))?;
+        let mut see = || {
+            eyes.detect(frames)?;
+            clock.stage("segments");
+            let up = eyes.vertical(frames, mount)?.up;
+            clock.stage("up");
+            let seen = eyes.windows(frames, &up)?;
+            let (sighting, up) = (seen.sighting, seen.level.up());
+            clock.stage("windows");
+            let ranges = eyes.ranges(frames, &up, height_m)?.clone();
+            clock.stage("ranges");
+            Ok((sighting, ranges, [up.x, up.y, up.z]))
+        };
+        Ok(see())
+    }
+
+    /// The eyes for frames of these sizes.
+    fn eyes(&mut self, sizes: Sizes) -> Result<&mut Eyes> {
+        let at = match self.eyes.iter().position(|(known, _)| *known == sizes) {
+            Some(at) => at,
+            None => {
+                self.eyes.push((sizes, Eyes::new(self.job.calibration.rig(sizes)?)));
+                self.eyes.len() - 1
+            }
+        };
+        Ok(&mut self.eyes[at].1)
+    }
+
+    /// Ours and the paper's.
+    fn search(
+        &mut self,
+        sighting: &Sighting,
+        ranges: &Ranges,
+        record: &mut Record,
+        clock: &mut Clock,
+    ) -> Result<()> {
+        let fix = self.locator.locate(ranges, self.job.height_m.map(height_rungs), sighting);
+        clock.stage("locate");
+        let found = NOMINAL_HEIGHT_M * (f32::from(fix.height) * RUNG).exp();
+        record.height_m = self.job.height_m.unwrap_or(found);
+        // A score of 0 says nothing.
+        record.single = Found::all(&fix.answer).into_iter().filter(|found| found.score > 0).collect();
+        record.height = fix.height;
+        let evidence = Evidence::new(|height, table| sight::evidence(ranges, height, sighting, table));
+        evidence.write(&self.job.evidence_file(record.timestamp_ns))?;
+        clock.stage("write");
+        let (scan, confidence) = sight::scan(ranges, fix.height, sighting);
+        record.plain = self.paper(&scan, &confidence, Similarity::Plain)?;
+        clock.stage("paper_plain");
+        record.centred = self.paper(&scan, &confidence, Similarity::Centred)?;
+        clock.stage("paper_centred");
+        Ok(())
+    }
+
+    /// The best candidates by the cosine of all five channels, on the layer that has everything.
+    fn paper(&mut self, scan: &Scan, confidence: &Confidence, similarity: Similarity) -> Result<Vec<Found>> {
+        let options = MatchOptions { similarity, ..MatchOptions::default() };
+        let mut all = Vec::new();
+        for (floor, paper) in (0..).zip(&mut self.papers) {
+            let sheets = self.locator.sheets();
+            let sheet = sheets.iter().position(|sheet| sheet.floor == floor && sheet.layer == 0);
+            for found in paper.locate_masked(scan, confidence, &options)?.matches() {
+                let (at, sheet) =
+                    paper.map().position(found.candidate as usize).zip(sheet).context("no candidate")?;
+                let score = found.peak.score_bits;
+                all.push(Found::from(&Mode { sheet: sheet as u8, at, heading: found.heading(), score }));
+            }
+        }
+        all.retain(|found| found.score > 0);
+        all.sort_by_key(|found| std::cmp::Reverse(found.score));
+        Ok(all)
+    }
+
+    /// The search with what the plan says at the true pose, where there is one and it is free.
+    fn oracle(&mut self, record: &mut Record, clock: &mut Clock) {
+        let Some(truth) = self.job.truth.at(record.timestamp_ns) else { return };
+        clock.last = Instant::now();
+        let plan = self.job.storeys.get(self.job.floor).and_then(|storey| storey.floor?.plan(0));
+        let at = site::point(truth.position.x, truth.position.y);
+        let mut scan = Scan { steps: [0; BINS], ..Scan::OPEN };
+        if let Some((plan, at)) = plan.zip(at)
+            && plan.scan(at, site::turn(truth.heading_deg()), &mut scan).is_ok()
+        {
+            record.oracle = Found::all(&self.locator.explain(|table| oracle::sharp(&scan, table)));
+        }
+        clock.stage("oracle");
+    }
+}

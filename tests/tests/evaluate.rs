@@ -1,0 +1,133 @@
+//! `compass evaluate` as a script sees it.
+
+use compass_host::dataset::tum::{self, Pose};
+use compass_tests::{Folder, number};
+use serde_json::Value;
+
+const LINE: &str = "evaluate --map sample.site --calib set/calibration.yaml --dataset set \
+    --groundtruth set/groundtruth.txt --mount upright --jobs 2";
+
+/// A folder with four frames of the sample building, half a second and 0.4 m apart, in `set`, and their poses in
+/// `poses.tum`.
+fn recording() -> Folder {
+    let folder = Folder::new();
+    let pose = |n: u32| {
+        let x = 13.37 + 0.4 * f64::from(n);
+        Pose::looking(1_000_000_000 + 500_000_000 * u64::from(n), [x, 3.68, 1.5], 20.0, 0.0, 0.0)
+    };
+    folder.write("poses.tum", tum::text(&[pose(0), pose(1), pose(2), pose(3)]).as_bytes());
+    let _ = folder
+        .json("simulate sample.png --poses poses.tum --size 368x360 --people 0 --no-operator --out set");
+    folder
+}
+
+fn row<'a>(result: &'a Value, name: &str) -> &'a Value {
+    let rows = result["rows"].as_array().expect("rows");
+    rows.iter().find(|row| row["name"] == name).unwrap_or_else(|| panic!("no row {name}"))
+}
+
+#[test]
+fn a_recording_is_evaluated_and_resumed() {
+    let folder = recording();
+    let first = folder.json(&format!("{LINE} --odometry poses.tum --out a"));
+    assert_eq!(
+        ["frames", "scored", "resumed", "unseen"].map(|key| number(&first[key])),
+        [4.0, 4.0, 0.0, 0.0]
+    );
+    for name in ["single", "track", "track, sure", "oracle", "paper, plain", "paper, centred"] {
+        for key in
+            ["recall_at_0_1_m", "recall_at_0_5_m", "recall_at_1_m", "recall_at_1_m_30_deg", "challenge_score"]
+        {
+            let value = &row(&first, name)[key];
+            assert!(
+                name == "track, sure" || (0.0..=100.0).contains(&number(value)),
+                "{name}, {key}: {value}"
+            );
+        }
+    }
+    assert_eq!(number(&row(&first, "oracle")["recall_at_1_m_30_deg"]), 1.0, "{first}");
+    let frames = first["results"].as_array().unwrap();
+    assert_eq!(frames.len(), 4);
+    for frame in frames {
+        for way in ["single", "track", "oracle", "paper_plain", "paper_centred"] {
+            for key in ["x", "y", "heading_deg", "position_error_m", "heading_error_deg", "challenge_score"] {
+                let _ = number(&frame[way][key]);
+            }
+        }
+        assert!((0.0..=1.0).contains(&number(&frame["track"]["probability"])));
+        let _ = number(&frame["margin"]);
+    }
+    for name in ["report.html", "trajectory.png", "errors.png", "recall.png", "reliability.png"] {
+        assert!(folder.read(&format!("a/{name}")).len() > 500, "{name}");
+    }
+    for name in ["single", "track"] {
+        let poses = tum::read(&folder.path(&format!("a/{name}.tum"))).unwrap();
+        assert_eq!(poses.len(), 4);
+        let heading = number(&frames[3][name]["heading_deg"]);
+        assert!((poses[3].heading_deg() - heading).abs() < 0.01, "{name}: {heading}");
+    }
+    resumes(&folder, &first);
+}
+
+/// The third line was cut off when the run was interrupted, and the evidence of the first frame is gone.
+fn resumes(folder: &Folder, first: &Value) {
+    let lines = String::from_utf8(folder.read("a/frames.jsonl")).unwrap();
+    assert_eq!(lines.lines().count(), 4);
+    let lengths: Vec<_> = lines.lines().map(|line| line.len() + 1).collect();
+    folder.write("a/frames.jsonl", &lines.as_bytes()[..lengths[..3].iter().sum::<usize>() - 10]);
+    std::fs::remove_file(folder.path("a/evidence/1000000000.png")).unwrap();
+    let again = folder.json(&format!("{LINE} --odometry poses.tum --out a"));
+    let kept = String::from_utf8_lossy(&lines.as_bytes()[..lengths[..2].iter().sum()]).into_owned();
+    let whole = kept.lines().filter(|line| !line.contains("\"timestamp_ns\":1000000000,")).count();
+    assert_eq!(number(&again["resumed"]) as usize, whole);
+    let whole = folder.json(&format!("{LINE} --odometry poses.tum --out a"));
+    assert_eq!(number(&whole["resumed"]), 4.0);
+    for result in [&again, &whole] {
+        assert_eq!((&result["rows"], &result["results"]), (&first["rows"], &first["results"]));
+    }
+    let other = folder.json(&format!("{LINE} --every 2 --camera-height 1.5 --out a"));
+    assert_eq!(
+        ["frames", "resumed"].map(|key| number(&other[key])),
+        [2.0, 0.0],
+        "other options, other results"
+    );
+}
+
+#[test]
+fn bad_input_is_named_and_leaves_nothing() {
+    let folder = recording();
+    let list = "set/cam1/data.csv";
+    let good = folder.read(list);
+    folder.write("far.tum", b"9000 0 0 1 0 0 0 1\n");
+    folder.write("bad.tum", b"1 0 0 1 0 0 0\n");
+    let refused = |line: &str, named: &str| {
+        let before = folder.names();
+        let ran = folder.run(line);
+        assert_eq!((ran.status, ran.stderr.lines().count()), (Some(2), 1), "{line}: {}", ran.stderr);
+        assert!(ran.stderr.contains(named), "{line}: {}", ran.stderr);
+        assert_eq!(folder.names(), before, "{line}");
+    };
+    let with = |from: &str, to: &str| format!("{} --out x", LINE.replace(from, to));
+    for (line, named) in [
+        (with("--map sample.site", "--map sample.map"), "sample.map: has no plan"),
+        (with("--map sample.site", "--map none.site"), "none.site"),
+        (with("set/calibration.yaml", "poses.tum"), "poses.tum"),
+        (with("--dataset set", "--dataset ."), "no frames"),
+        (with("set/groundtruth.txt", "far.tum"), "far.tum: no pose at the time"),
+        (with("set/groundtruth.txt", "bad.tum"), "bad.tum:1: "),
+        (format!("{LINE} --odometry bad.tum --out x"), "bad.tum:1: "),
+        (format!("{LINE} --floor attic --out x"), "no floor 'attic'"),
+    ] {
+        refused(&line, named);
+    }
+    folder.write(list, b"#timestamp [ns],filename\n1000000000,none.jpg\n");
+    refused(&format!("{LINE} --out x"), "data.csv:2: ");
+    folder.write(list, &good);
+    // A frame that turns out to be damaged ends the run; what was finished is kept for the next.
+    folder.write("set/cam0/data/2000000000.jpg", b"\xff\xd8\xff\xe0 no picture");
+    let ran = folder.run(&format!("{LINE} --out x"));
+    assert!(ran.status == Some(2) && ran.stderr.contains("2000000000.jpg"), "{}", ran.stderr);
+    for name in ["report.html", "single.tum", "track.tum", "trajectory.png"] {
+        assert!(!folder.path(&format!("x/{name}")).exists(), "{name}");
+    }
+}
