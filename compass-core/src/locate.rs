@@ -1,14 +1,17 @@
 //! From what is seen to a pose: search over camera heights, candidates and headings, refinement, answer.
 
-use crate::boundary::Ranges;
-use crate::likelihood::{Answer, Mode, Rows, Sheet, Table, answer, refine, search};
+use crate::boundary::{NOMINAL_HEIGHT_M, RUNG, Ranges};
+use crate::likelihood::{Answer, Mode, Rows, Sheet, Table, answer, approach, refine, search, settle};
 use crate::num::{Metres, Turn};
 use crate::sight;
 use crate::windows::level::Sighting;
+use core::cmp::Reverse;
 use heapless::Vec;
 
 /// Most modes that are refined.
 pub const MAX_MODES: usize = 48;
+/// Of those approached, so many are settled: the others are alternatives to a decimetre or two.
+const SETTLED: usize = 8;
 /// A pose found with two heights of the camera is refined with the better one: they are this near...
 const SAME: Metres = Metres::from_bits(3 << 30);
 /// ... and turned by no more than this.
@@ -41,6 +44,12 @@ pub struct Fix {
 }
 
 impl Fix {
+    /// The camera's height above the floor, metres, to half a rung: 3 %.
+    #[must_use]
+    pub fn height_m(&self) -> f32 {
+        NOMINAL_HEIGHT_M * libm::expf(f32::from(self.height) * RUNG)
+    }
+
     /// How likely the best pose is within 1 m of the true one, 0 to 1: from its margin over the best pose elsewhere.
     ///
     /// Logistic in the logarithm of the margin, fitted to 129 frame pairs of two storeys, 120 of them simulated
@@ -81,16 +90,9 @@ pub fn locate<const N: usize>(
         let wanted = work.modes.clamp(1, MAX_MODES);
         work.pool.iter().take(count.min(wanted)).for_each(|mode| offer(&mut found, wanted, (*mode, height)));
     }
-    for at in heights.clone() {
-        if found.iter().any(|(_, height)| *height == at) {
-            sight::evidence(ranges, at, sighting, work.table);
-            for (mode, _) in found.iter_mut().filter(|(_, height)| *height == at) {
-                if let Some(sheet) = sheets.get(usize::from(mode.sheet)) {
-                    *mode = refine(work.table, sheet, *mode);
-                }
-            }
-        }
-    }
+    refine_all(ranges, sighting, sheets, work.table, &mut found, approach);
+    found.sort_unstable_by_key(|(mode, _)| Reverse(mode.score));
+    refine_all(ranges, sighting, sheets, work.table, best_of(&mut found), settle);
     let best = found.iter().max_by_key(|(mode, _)| mode.score).copied().unwrap_or((Mode::NONE, 0));
     let best = polish(ranges, &heights, sighting, sheets, work, best);
     let mut modes: Vec<Mode, { MAX_MODES + 1 }> = found.iter().map(|(mode, _)| *mode).collect();
@@ -98,6 +100,37 @@ pub fn locate<const N: usize>(
     let _ = modes.push(best.0);
     sight::evidence(ranges, best.1, sighting, work.table);
     Fix { answer: answer(sheets, &mut modes), height: best.1 }
+}
+
+/// Refines modes, each with the evidence for its height.
+fn refine_all(
+    ranges: &Ranges,
+    sighting: &Sighting,
+    sheets: &[Sheet<'_>],
+    table: &mut Table,
+    found: &mut [Found],
+    refine: impl Fn(&Table, &Sheet<'_>, Mode) -> Mode,
+) {
+    let heights = found.iter().fold(None, |range: Option<(i8, i8)>, (_, height)| {
+        Some(range.map_or((*height, *height), |(low, high)| (low.min(*height), high.max(*height))))
+    });
+    let Some((low, high)) = heights else { return };
+    for at in low..=high {
+        if found.iter().any(|(_, height)| *height == at) {
+            sight::evidence(ranges, at, sighting, table);
+        }
+        for (mode, _) in found.iter_mut().filter(|(_, height)| *height == at) {
+            if let Some(sheet) = sheets.get(usize::from(mode.sheet)) {
+                *mode = refine(table, sheet, *mode);
+            }
+        }
+    }
+}
+
+/// The first [`SETTLED`].
+fn best_of(found: &mut [Found]) -> &mut [Found] {
+    let count = found.len().min(SETTLED);
+    found.split_at_mut_checked(count).map_or(&mut [], |(first, _)| first)
 }
 
 /// Adds a mode unless as many better ones are there, or a better one at the same pose.

@@ -1,10 +1,11 @@
 //! The commands from end to end, as a script sees them, on the bundled sample building.
 
-use compass_host::sample;
+use compass_host::sample::{self, FRAME_POSE};
 use compass_tests::{Folder, POSE, angle, number, numbers, sample_map, sample_site};
 use image::{GrayImage, Luma};
 use serde_json::Value;
 use std::f64::consts::SQRT_2;
+use std::path::PathBuf;
 
 const LOCALIZE: &str = "localize --map sample.map --from-plan sample.png";
 
@@ -318,7 +319,15 @@ fn the_demo_finds_itself_and_draws_the_report() {
     let result: Value = serde_json::from_slice(&folder.read("demo.json")).unwrap();
     assert!(number(&result["position_error_m"]) <= 0.75);
     assert!(number(&result["heading_error_deg"]) <= 5.0);
+    let ([x, y], heading) = FRAME_POSE;
+    let seen = &result["seen"];
+    assert!((number(&seen["x"]) - x).hypot(number(&seen["y"]) - y) < 0.5, "{seen}");
+    assert!(angle(number(&seen["heading_deg"]), heading) < 3.0, "{seen}");
+    assert!(number(&result["seen_probability"]) > 0.9);
     let html = String::from_utf8(folder.read("report/report.html")).unwrap();
+    for name in ["map", "cam0", "cam1", "panorama", "descriptor"] {
+        assert!(html.contains(&format!("seen/{name}.png")), "{name} is missing in the report");
+    }
     let pictures =
         ["rays", "polar", "profile", "descriptor", "correlation", "hits-polar", "hits-linear", "site-map"];
     for name in pictures {
@@ -329,8 +338,10 @@ fn the_demo_finds_itself_and_draws_the_report() {
         assert!(image.width() >= 400 && image.height() >= 200, "{name}");
     }
     // Whatever else is drawn is whole, and nothing temporary is left.
-    for path in folder.names().iter().filter(|p| p.parent() == Some(&folder.path("report"))) {
-        assert!(path.ends_with("report.html") || image::open(path).is_ok(), "{}", path.display());
+    let drawn = |p: &&PathBuf| p.starts_with(folder.path("report")) && p.is_file();
+    for path in folder.names().iter().filter(drawn) {
+        let other = path.ends_with("report.html") || path.ends_with("seen/sample.site");
+        assert!(other || image::open(path).is_ok(), "{}", path.display());
     }
 }
 

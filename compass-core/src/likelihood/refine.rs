@@ -23,9 +23,9 @@ const NARROW_HEADINGS: usize = 3;
 const LEVELS: usize = 6;
 /// Moves at one width.
 const MOVES: usize = 4;
-/// No more casts than this are made, with all rays or a third of them: one each to begin and to end, and
-/// at each width the position anew and per move eight neighbours and two headings.
-pub const MAX_CASTS: usize = 2 + LEVELS * (1 + MOVES * (STAR.len() + TURNS.len()));
+/// No more casts than this are made, with all rays or a third of them: one each to begin and to end
+/// of both parts, and at each width the position anew and per move eight neighbours and two headings.
+pub const MAX_CASTS: usize = 4 + LEVELS * (1 + MOVES * (STAR.len() + TURNS.len()));
 
 /// The neighbours of a position.
 const STAR: [[i8; 2]; 8] = [[1, 0], [0, 1], [-1, 0], [0, -1], [1, 1], [-1, 1], [-1, -1], [1, -1]];
@@ -41,7 +41,7 @@ struct Pose {
     score: i32,
 }
 
-/// Climbs from a mode to a top of the likelihood near it, off the grid.
+/// Climbs from a mode to a top of the likelihood near it, off the grid: [`approach`], then [`settle`].
 ///
 /// The result's score is that of all 360 rays in the table [between rungs](Table::at), and no less than
 /// what the mode has by the same measure. A position outside the plan or occupied is never taken; a
@@ -52,6 +52,31 @@ struct Pose {
 /// casts of 360 rays.
 #[must_use]
 pub fn refine(table: &Table, sheet: &Sheet<'_>, mode: Mode) -> Mode {
+    settle(table, sheet, approach(table, sheet, mode))
+}
+
+/// The first part of [`refine`](refine()): the wide patterns, with a third of the rays; to a decimetre or so.
+#[must_use]
+pub fn approach(table: &Table, sheet: &Sheet<'_>, mode: Mode) -> Mode {
+    let climb = Climb { table, plan: sheet.plan, stride: WIDE_STRIDE };
+    climb_through(table, sheet, mode, |pose, step| match step < WIDE {
+        true => pose,
+        false => climb.climb::<WIDE_HEADINGS>(pose, step),
+    })
+}
+
+/// The second part of [`refine`](refine()): the narrow patterns, from where an [`approach`] ended.
+#[must_use]
+pub fn settle(table: &Table, sheet: &Sheet<'_>, mode: Mode) -> Mode {
+    let climb = Climb { table, plan: sheet.plan, stride: 1 };
+    climb_through(table, sheet, mode, |pose, step| match step < WIDE {
+        true => climb.climb::<NARROW_HEADINGS>(pose, step),
+        false => pose,
+    })
+}
+
+/// Climbs through the widths of the pattern. What the end is worth all rays say: a third may have led astray.
+fn climb_through(table: &Table, sheet: &Sheet<'_>, mode: Mode, climb: impl Fn(Pose, Metres) -> Pose) -> Mode {
     let whole = Climb { table, plan: sheet.plan, stride: 1 };
     let Some(start) = whole.best::<1>(mode.at, mode.heading) else { return mode };
     let spacing = Metres::from_bits((i64::from(sheet.map.header().spacing_mm) << 32) / 1000);
@@ -59,17 +84,12 @@ pub fn refine(table: &Table, sheet: &Sheet<'_>, mode: Mode) -> Mode {
     let mut step = spacing / 4 * 3;
     let mut pose = start;
     for _ in 0..LEVELS {
-        pose = if step < WIDE {
-            whole.climb::<NARROW_HEADINGS>(pose, step)
-        } else {
-            Climb { stride: WIDE_STRIDE, ..whole }.climb::<WIDE_HEADINGS>(pose, step)
-        };
+        pose = climb(pose, step);
         step /= 2;
         if step < FINEST {
             break;
         }
     }
-    // A third of the rays may have led astray.
     let end = whole.best::<NARROW_HEADINGS>(pose.at, pose.heading).filter(|end| end.score > start.score);
     let Pose { at, heading, score } = end.unwrap_or(start);
     Mode { at, heading, score: (score + (1 << 7)) >> 8, ..mode }

@@ -11,7 +11,7 @@ use crate::output::{Decimal, JsonOption, create_dir, write_file};
 use crate::plan_import::PlanRaster;
 use crate::report::{Picture, Section, Table, write_html};
 use crate::sample::{self, DEMO_POSE};
-use crate::site::{BuildOptions, build};
+use crate::site::{BuildOptions, PackedPlan, build};
 use anyhow::{Context as _, Result};
 use compass_core::descriptor::Descriptor;
 use compass_core::matching::Answer;
@@ -26,6 +26,8 @@ use std::time::Instant;
 /// Disturbance of the demo's query.
 const NOISE: f64 = 1.0;
 
+mod seen;
+
 #[derive(Debug, clap::Args)]
 pub(super) struct Demo {
     /// Where to write report and pictures
@@ -39,6 +41,9 @@ pub(super) struct Demo {
 struct Output {
     truth: Truth,
     found: Pose<'static>,
+    /// From rendered frames, at another place.
+    seen: Option<Pose<'static>>,
+    seen_probability: Decimal,
     position_error_m: Decimal,
     heading_error_deg: Decimal,
     margin: Decimal,
@@ -56,6 +61,7 @@ struct Truth {
 /// What the demo worked out.
 struct Run {
     raster: PlanRaster,
+    plan: PackedPlan,
     map: Vec<u8>,
     /// As the plan says, and as the disturbed query has it.
     clean: Scan,
@@ -76,7 +82,7 @@ impl Run {
         let mut query = clean;
         disturb(&mut query, NOISE, 1);
         let (answer, search_ms) = search(&map, &query)?;
-        Ok(Self { raster, map, clean, query, answer, build_seconds, search_ms })
+        Ok(Self { raster, plan, map, clean, query, answer, build_seconds, search_ms })
     }
 
     fn map(&self) -> Result<SiteMap<'_>> {
@@ -104,27 +110,33 @@ impl Demo {
         let Some(found) = poses.first().copied() else { return Ok(Outcome::No) };
         let report = self.out.join("report.html");
         draw(&self.out, &run, &poses)?;
-        write_html(&report, "COMPASS on its sample building", &sections(&run, &poses))?;
+        let seen = seen::run(&self.out.join("seen"), &run.raster, &run.plan)?;
+        let mut sections = sections(&run, &poses);
+        sections.insert(0, seen.section());
+        write_html(&report, "COMPASS on its sample building", &sections)?;
         let (at, heading) = DEMO_POSE;
         let (position_error, heading_error) = found.error(at, heading);
-        let summary = format!(
-            "truth  x {:.3} m  y {:.3} m  heading {heading:.1} degrees\n\
-             found  x {:.3} m  y {:.3} m  heading {:.1} degrees  (score {:.3}, {:.3} above the next)\n\
+        let summary = seen.summary()
+            + &format!(
+                "plan    x {:.3} m  y {:.3} m  heading {heading:.1} degrees\n\
+             found   x {:.3} m  y {:.3} m  heading {:.1} degrees  (score {:.3}, {:.3} above the next)\n\
              off by {position_error:.2} m and {heading_error:.1} degrees, among {} candidates 0.5 m apart\n\
              report {}\n",
-            at[0],
-            at[1],
-            found.x.0,
-            found.y.0,
-            found.heading_deg.0,
-            found.score.0,
-            run.answer.margin().to_num::<f64>(),
-            run.map()?.len(),
-            report.display(),
-        );
+                at[0],
+                at[1],
+                found.x.0,
+                found.y.0,
+                found.heading_deg.0,
+                found.score.0,
+                run.answer.margin().to_num::<f64>(),
+                run.map()?.len(),
+                report.display(),
+            );
         let output = Output {
             truth: Truth { x: Decimal(at[0]), y: Decimal(at[1]), heading_deg: Decimal(heading) },
             found,
+            seen: seen.poses.first().copied(),
+            seen_probability: Decimal(seen.probability),
             position_error_m: Decimal(position_error),
             heading_error_deg: Decimal(heading_error),
             margin: Decimal(run.answer.margin().to_num()),
@@ -253,7 +265,7 @@ fn sections(run: &Run, poses: &[Pose<'_>]) -> Vec<Section> {
     let head = ["rank", "x, y (m)", "heading (deg)", "score", "off (m)", "off (deg)"].map(String::from);
     vec![
         Section {
-            title: "Where am I?".into(),
+            title: "Where am I? From the plan itself".into(),
             text: vec![format!(
                 "The query was cast from the plan at x {:.2} m, y {:.2} m, heading {heading:.0} degrees and \
                  disturbed: 3 % of range noise, 5 % of hit types mistaken, two occluders.",

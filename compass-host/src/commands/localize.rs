@@ -19,6 +19,8 @@ use std::time::Instant;
 
 mod sighted;
 
+pub(super) use sighted::pose_of;
+
 #[derive(Debug, clap::Args)]
 pub(super) struct Localize {
     /// The site file, or a plain site map

@@ -7,9 +7,8 @@ use crate::locator::Locator;
 use crate::output::{Decimal, JsonOption};
 use crate::site_file::{SiteFile, Storey};
 use anyhow::{Context as _, Result, anyhow};
-use compass_core::boundary::{NOMINAL_HEIGHT_M, RUNG, height_rungs};
+use compass_core::boundary::height_rungs;
 use compass_core::likelihood::{Mode, Sheet};
-use compass_core::locate::Fix;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -100,7 +99,7 @@ pub(super) fn run(
         y: best.y,
         heading_deg: best.heading_deg,
         up_in_cam0: [up.x, up.y, up.z].map(|v| Decimal(f64::from(v))),
-        camera_height_m: Decimal(f64::from(height_of(&fix, height_m))),
+        camera_height_m: Decimal(f64::from(height_m.unwrap_or_else(|| fix.height_m()))),
         layer: LAYERS[layer.min(1)],
         score: best.score,
         margin: nats(fix.answer.margin()),
@@ -116,18 +115,18 @@ pub(super) fn run(
 
 fn pose<'a>(mode: &Mode, sheets: &[Sheet<'_>], storeys: &[Storey<'a>]) -> Pose<'a> {
     let storey = sheets.get(usize::from(mode.sheet)).and_then(|sheet| storeys.get(usize::from(sheet.floor)));
+    pose_of(mode, storey.and_then(Storey::name).filter(|_| storeys.len() > 1))
+}
+
+/// A mode as it is reported, with the floor where there are several.
+pub(in crate::commands) fn pose_of<'a>(mode: &Mode, floor: Option<&'a str>) -> Pose<'a> {
     Pose {
-        floor: storey.and_then(Storey::name).filter(|_| storeys.len() > 1),
+        floor,
         x: Decimal(mode.at.x.to_num()),
         y: Decimal(mode.at.y.to_num()),
         heading_deg: Decimal(f64::from(mode.heading.to_microdegrees()) / 1e6),
         score: nats(mode.score),
     }
-}
-
-/// The camera's height in metres: that given, or that found.
-fn height_of(fix: &Fix, given: Option<f32>) -> f32 {
-    given.unwrap_or_else(|| NOMINAL_HEIGHT_M * (f32::from(fix.height) * RUNG).exp())
 }
 
 fn nats(sixteenths: i32) -> Decimal {
