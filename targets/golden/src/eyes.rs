@@ -131,8 +131,7 @@ impl Eyes {
             edges: &mut self.smoothed,
             support: bytemuck::cast_slice_mut(&mut self.cells),
         };
-        let mut surveyor =
-            Surveyor::new(buffers, &rig, level).expect("the raster fits the frame's buffers");
+        let mut surveyor = Surveyor::new(buffers, &rig, level).expect("the raster fits the frame's buffers");
         for (camera, (_, red)) in FRAMES.iter().enumerate() {
             surveyor.add(camera, &gray(camera), Red::Mask(red_mask(red)));
         }

@@ -429,7 +429,14 @@ fn fix_words(fix: Option<&Fix>) -> impl Iterator<Item = u32> + '_ {
     fix.into_iter().flat_map(|fix| {
         let words = |mode: &Mode| {
             let [x, y] = [mode.at.x, mode.at.y].map(Metres::to_bits);
-            [x as u32, (x >> 32) as u32, y as u32, (y >> 32) as u32, mode.heading.to_bits(), mode.score as u32]
+            [
+                x as u32,
+                (x >> 32) as u32,
+                y as u32,
+                (y >> 32) as u32,
+                mode.heading.to_bits(),
+                mode.score as u32,
+            ]
         };
         fix.answer.modes().iter().flat_map(words).chain([fix.height as u32])
     })
