@@ -25,6 +25,9 @@
 //! | [`segments`] | line segments of an image, by edge drawing |
 //! | [`attitude`] | up vector and the building's axes from vanishing points |
 //! | [`windows`] | windows and hit type of every direction |
+//! | [`boundary`] | likelihood of ranges, from where walls meet floor and ceiling |
+//! | [`sight`] | range and hit type put together: evidence, and the descriptor as seen |
+//! | [`locate`] | from what is seen to a pose |
 //! | [`track`] | the belief over a sequence of frames |
 //!
 //! Memory is lent by the caller throughout; "nothing found" is `None`; errors are small `Copy` enums.
