@@ -267,15 +267,20 @@ fn confidence_is_earned(looks: &[Look]) {
 fn headings_are_found_at_the_true_position() {
     let Some(data) = recordings("headings_are_found_at_the_true_position") else { return };
     let looks = looks(&data);
-    let range = Weights([16, 0, 0, 0, 0]);
-    println!("degrees off by hit type, range, all channels, evidence");
-    let mut within = [0; 4];
+    let alone = |channel: usize| Weights(std::array::from_fn(|c| if c == channel { 16 } else { 0 }));
+    println!(
+        "degrees off by hit type, range, all channels, evidence; by gradient, proximity, deviation alone"
+    );
+    let mut within = [0; 7];
     for look in &looks {
         let off = [
             look.off_by_channels(Weights::HIT_TYPE),
-            look.off_by_channels(range),
+            look.off_by_channels(alone(0)),
             look.off_by_channels(Weights::EQUAL),
             look.off_by_evidence(),
+            look.off_by_channels(alone(2)),
+            look.off_by_channels(alone(3)),
+            look.off_by_channels(alone(4)),
         ];
         let [x, y] = [look.pose.position.x, look.pose.position.y];
         println!("{x:5.1} {y:5.1}: {}", off.map(|off| format!("{off:6.1}")).join(" "));

@@ -159,7 +159,7 @@ impl Seen {
                 picture("seen/cam0.png", "The frame of cam0, as the sensor has it"),
                 picture("seen/cam1.png", "The frame of cam1"),
                 picture(
-                    "panorama.png",
+                    "seen/panorama.png",
                     "All around, levelled: floor and ceiling as found, windows, and what the plan says",
                 ),
                 picture("seen/descriptor.png", "The descriptor as seen, and the plan's at the true pose"),
