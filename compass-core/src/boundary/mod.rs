@@ -3,7 +3,7 @@
 //! frames -> edges on a raster of azimuth and log range, floor and ceiling -> support by neighbouring azimuths ->
 //! [`Ranges`]: per azimuth, the likelihood of the wall standing at each of a ladder of ranges.
 //!
-//! Ranges are counted in camera heights ([`Ranges::table`] brings the height in), and the height of the ceiling is
+//! Ranges are counted in camera heights ([`Ranges::row`] brings the height in), and the height of the ceiling is
 //! found as a multiple of it: the one at which most directions see both boundaries at one range. Furniture and people
 //! hide the floor more often than the ceiling, floor joints are no walls, and walls that the plan lacks are seen too:
 //! therefore nothing is decided here, and no range is ever impossible.
