@@ -2,6 +2,7 @@
 //!
 //! A line of a list is `timestamp [ns],filename`; blank lines and lines that begin with `#` are passed over.
 
+use super::lines::{self, LinesError};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -13,24 +14,9 @@ const ALONE_NS: u64 = 25_000_000;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum DatasetError {
-    /// A list could not be opened or read.
-    #[error("{}: cannot be read: {source}", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// What the system said.
-        source: std::io::Error,
-    },
-    /// A line of a list is no frame.
-    #[error("{}:{line}: {problem}", path.display())]
-    Line {
-        /// The file.
-        path: PathBuf,
-        /// The line, from 1.
-        line: usize,
-        /// What is wrong with it.
-        problem: String,
-    },
+    /// A list cannot be read, or a line of it is no frame.
+    #[error(transparent)]
+    Lines(#[from] LinesError),
     /// There is no list, or no frame in any.
     #[error("{}: no frames; cam0/data.csv or cam1/data.csv must list some, as the EuRoC layout has them", dir.display())]
     Empty {
@@ -63,28 +49,23 @@ pub fn read(dir: &Path) -> Result<Vec<Shot>, DatasetError> {
 }
 
 /// The frames of one camera; none if the recording lacks it.
-fn list(dir: &Path, camera: &str) -> Result<List, DatasetError> {
+fn list(dir: &Path, camera: &str) -> Result<List, LinesError> {
     let path = dir.join(camera).join("data.csv");
     if !path.exists() {
         return Ok(List::new());
     }
-    let text = std::fs::read(&path).map_err(|source| DatasetError::Read { path: path.clone(), source })?;
     let mut frames = List::new();
-    for (number, line) in String::from_utf8_lossy(&text).lines().enumerate() {
-        let line = line.trim_start_matches('\u{feff}').trim();
-        if line.is_empty() || line.starts_with('#') {
-            continue;
-        }
-        let wrong = |problem| DatasetError::Line { path: path.clone(), line: number + 1, problem };
-        let (time, name) = parse(line).map_err(wrong)?;
+    lines::visit(&path, |line| {
+        let (time, name) = parse(line)?;
         let file = dir.join(camera).join("data").join(name);
         if !file.is_file() {
-            return Err(wrong(format!("{} does not exist", file.display())));
+            return Err(format!("{} does not exist", file.display()));
         }
-        if frames.insert(time, file).is_some() {
-            return Err(wrong(format!("another frame has the timestamp {time}")));
+        match frames.insert(time, file) {
+            Some(_) => Err(format!("another frame has the timestamp {time}")),
+            None => Ok(()),
         }
-    }
+    })?;
     Ok(frames)
 }
 

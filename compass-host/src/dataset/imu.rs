@@ -3,6 +3,7 @@
 //! A line is `timestamp [ns], w_RS_S_x, w_RS_S_y, w_RS_S_z [rad s^-1], a_RS_S_x, a_RS_S_y, a_RS_S_z [m s^-2]`. Blank lines
 //! and lines that begin with `#` are passed over. At rest an accelerometer reads 9.81 upwards.
 
+use super::lines::{self, LinesError};
 use nalgebra::Vector3;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -16,24 +17,9 @@ pub const GRAVITY: f64 = 9.806_65;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ImuError {
-    /// The file could not be opened or read.
-    #[error("{}: cannot be read: {source}", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// What the system said.
-        source: std::io::Error,
-    },
-    /// A line is no reading.
-    #[error("{}:{line}: {problem}", path.display())]
-    Line {
-        /// The file.
-        path: PathBuf,
-        /// The line, from 1.
-        line: usize,
-        /// What is wrong with it.
-        problem: String,
-    },
+    /// The file cannot be read, or a line is no reading.
+    #[error(transparent)]
+    Lines(#[from] LinesError),
     /// No reading in the time asked for.
     #[error("{}: no reading{}", path.display(), span.map(between).unwrap_or_default())]
     Empty {
@@ -75,24 +61,15 @@ pub struct Gravity {
 /// # Errors
 /// [`ImuError`]: a file that cannot be read, a line that is no reading, no reading at all, or a mean that is not gravity.
 pub fn gravity(path: &Path, span: Option<[f64; 2]>) -> Result<Gravity, ImuError> {
-    let text = std::fs::read_to_string(path)
-        .map_err(|source| ImuError::Read { path: path.to_path_buf(), source })?;
     let (mut sum, mut samples) = (Vector3::zeros(), 0_usize);
-    for (index, line) in text.lines().enumerate() {
-        let line = line.trim_start_matches('\u{feff}').trim();
-        if line.is_empty() || line.starts_with('#') {
-            continue;
-        }
-        let (seconds, reading) = parse(line).map_err(|problem| ImuError::Line {
-            path: path.to_path_buf(),
-            line: index + 1,
-            problem,
-        })?;
+    lines::visit(path, |line| {
+        let (seconds, reading) = parse(line)?;
         if span.is_none_or(|[from, to]| (from..=to).contains(&seconds)) {
             sum += reading;
             samples += 1;
         }
-    }
+        Ok(())
+    })?;
     if samples == 0 {
         return Err(ImuError::Empty { path: path.to_path_buf(), span });
     }

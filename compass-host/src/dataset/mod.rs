@@ -2,5 +2,6 @@
 
 pub mod euroc;
 pub mod imu;
+pub mod lines;
 pub mod trajectory;
 pub mod tum;

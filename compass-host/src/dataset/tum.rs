@@ -2,6 +2,7 @@
 //!
 //! Blank lines and lines that begin with `#` are passed over. Timestamps keep their nanoseconds.
 
+use super::lines::{self, LinesError};
 use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -17,24 +18,9 @@ const NANOSECONDS: u64 = 1_000_000_000;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum TumError {
-    /// The file could not be opened or read.
-    #[error("{}: cannot be read: {source}", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// What the system said.
-        source: std::io::Error,
-    },
-    /// A line is no pose.
-    #[error("{}:{line}: {problem}", path.display())]
-    Line {
-        /// The file.
-        path: PathBuf,
-        /// The line, from 1.
-        line: usize,
-        /// What is wrong with it.
-        problem: String,
-    },
+    /// The file cannot be read, or a line is no pose.
+    #[error(transparent)]
+    Lines(#[from] LinesError),
     /// The file holds no pose at all.
     #[error("{}: no pose in it; lines of 'timestamp tx ty tz qx qy qz qw' are needed", path.display())]
     Empty {
@@ -160,22 +146,18 @@ pub fn read(path: &Path) -> Result<Vec<Pose>, TumError> {
 /// Reads a trajectory and puts each pose to a check, which says what is wrong with it.
 ///
 /// # Errors
-/// As [`read`], and [`TumError::Line`] for a pose that does not pass the check.
+/// As [`read`], and [`LinesError::Line`] for a pose that does not pass the check.
 pub fn read_checked(
     path: &Path,
     mut check: impl FnMut(&Pose) -> Result<(), String>,
 ) -> Result<Vec<Pose>, TumError> {
-    let bytes = std::fs::read(path).map_err(|source| TumError::Read { path: path.to_path_buf(), source })?;
     let mut poses = Vec::new();
-    for (line, text) in String::from_utf8_lossy(&bytes).lines().enumerate() {
-        let text = text.trim_start_matches('\u{feff}').trim();
-        if text.is_empty() || text.starts_with('#') {
-            continue;
-        }
-        let wrong = |problem| TumError::Line { path: path.to_path_buf(), line: line + 1, problem };
-        let pose = Pose::parse(text).and_then(|pose| check(&pose).map(|()| pose));
-        poses.push(pose.map_err(wrong)?);
-    }
+    lines::visit(path, |line| {
+        let pose = Pose::parse(line)?;
+        check(&pose)?;
+        poses.push(pose);
+        Ok(())
+    })?;
     if poses.is_empty() { Err(TumError::Empty { path: path.to_path_buf() }) } else { Ok(poses) }
 }
 
