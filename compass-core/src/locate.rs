@@ -1,11 +1,12 @@
 //! From what is seen to a pose: search over camera heights, candidates and headings, refinement, answer.
 
-use crate::boundary::{NOMINAL_HEIGHT_M, RUNG, Ranges};
+use crate::boundary::{Ranges, height_m};
 use crate::likelihood::{Answer, Mode, Rows, Sheet, Table, answer, approach, refine, search, settle};
 use crate::num::{Metres, Turn};
 use crate::sight;
 use crate::windows::level::Sighting;
 use core::cmp::Reverse;
+use core::ops::RangeInclusive;
 use heapless::Vec;
 
 /// Most modes that are refined.
@@ -24,7 +25,7 @@ const CERTAINTY: [f32; 2] = [8.07, 2.33];
 /// refinement.
 #[derive(Debug)]
 pub struct Work<'a, const N: usize> {
-    /// The evidence, and afterwards that for the answer's height.
+    /// For the evidence.
     pub table: &'a mut Table,
     /// For the search.
     pub rows: &'a mut Rows<N>,
@@ -47,7 +48,7 @@ impl Fix {
     /// The camera's height above the floor, metres, to half a rung: 3 %.
     #[must_use]
     pub fn height_m(&self) -> f32 {
-        NOMINAL_HEIGHT_M * libm::expf(f32::from(self.height) * RUNG)
+        height_m(self.height)
     }
 
     /// How likely the best pose is within 1 m of the true one, 0 to 1: from its margin over the best pose elsewhere.
@@ -81,56 +82,74 @@ pub fn locate<const N: usize>(
     sheets: &[Sheet<'_>],
     work: &mut Work<'_, N>,
 ) -> Fix {
+    let Work { table, rows, pool, modes } = work;
+    let mut evidence = Evidence { ranges, sighting, table, height: None };
     let heights = height.map_or_else(|| ranges.heights(), |known| known..=known);
+    let wanted = (*modes).clamp(1, MAX_MODES);
     let mut found: Vec<Found, MAX_MODES> = Vec::new();
     for height in heights.clone() {
-        sight::evidence(ranges, height, sighting, work.table);
-        work.rows.set(work.table);
-        let count = search(work.rows, sheets, |_, _| true, work.pool);
-        let wanted = work.modes.clamp(1, MAX_MODES);
-        work.pool.iter().take(count.min(wanted)).for_each(|mode| offer(&mut found, wanted, (*mode, height)));
+        rows.set(evidence.at(height));
+        let count = search(rows, sheets, |_, _| true, pool);
+        pool.iter().take(count.min(wanted)).for_each(|mode| offer(&mut found, wanted, (*mode, height)));
     }
-    refine_all(ranges, sighting, sheets, work.table, &mut found, approach);
+    evidence.refine(&heights, sheets, &mut found, approach);
     found.sort_unstable_by_key(|(mode, _)| Reverse(mode.score));
-    refine_all(ranges, sighting, sheets, work.table, best_of(&mut found), settle);
-    let best = found.iter().max_by_key(|(mode, _)| mode.score).copied().unwrap_or((Mode::NONE, 0));
-    let best = polish(ranges, &heights, sighting, sheets, work, best);
+    let best = found.chunks_mut(SETTLED).next().unwrap_or_default();
+    evidence.refine(&heights, sheets, best, settle);
     let mut modes: Vec<Mode, { MAX_MODES + 1 }> = found.iter().map(|(mode, _)| *mode).collect();
+    let Some(best) = found.into_iter().max_by_key(|(mode, _)| mode.score) else {
+        return Fix { answer: answer(sheets, &mut []), height: height.unwrap_or(0) };
+    };
+    let best = evidence.polish(&heights, sheets, best);
     // Never full: it has one place more.
     let _ = modes.push(best.0);
-    sight::evidence(ranges, best.1, sighting, work.table);
     Fix { answer: answer(sheets, &mut modes), height: best.1 }
 }
 
-/// Refines modes, each with the evidence for its height.
-fn refine_all(
-    ranges: &Ranges,
-    sighting: &Sighting,
-    sheets: &[Sheet<'_>],
-    table: &mut Table,
-    found: &mut [Found],
-    refine: impl Fn(&Table, &Sheet<'_>, Mode) -> Mode,
-) {
-    let heights = found.iter().fold(None, |range: Option<(i8, i8)>, (_, height)| {
-        Some(range.map_or((*height, *height), |(low, high)| (low.min(*height), high.max(*height))))
-    });
-    let Some((low, high)) = heights else { return };
-    for at in low..=high {
-        if found.iter().any(|(_, height)| *height == at) {
-            sight::evidence(ranges, at, sighting, table);
+/// What was seen, as evidence for one height of the camera at a time.
+struct Evidence<'a> {
+    ranges: &'a Ranges,
+    sighting: &'a Sighting,
+    table: &'a mut Table,
+    /// The height that the table is for.
+    height: Option<i8>,
+}
+
+impl Evidence<'_> {
+    /// The evidence for a height.
+    fn at(&mut self, height: i8) -> &Table {
+        if self.height != Some(height) {
+            sight::evidence(self.ranges, height, self.sighting, self.table);
+            self.height = Some(height);
         }
-        for (mode, _) in found.iter_mut().filter(|(_, height)| *height == at) {
-            if let Some(sheet) = sheets.get(usize::from(mode.sheet)) {
-                *mode = refine(table, sheet, *mode);
+        self.table
+    }
+
+    /// Refines modes, height by height.
+    fn refine(
+        &mut self,
+        heights: &RangeInclusive<i8>,
+        sheets: &[Sheet<'_>],
+        found: &mut [Found],
+        refine: impl Fn(&Table, &Sheet<'_>, Mode) -> Mode,
+    ) {
+        for at in heights.clone() {
+            for (mode, _) in found.iter_mut().filter(|(_, height)| *height == at) {
+                if let Some(sheet) = sheets.get(usize::from(mode.sheet)) {
+                    *mode = refine(self.at(at), sheet, *mode);
+                }
             }
         }
     }
-}
 
-/// The first [`SETTLED`].
-fn best_of(found: &mut [Found]) -> &mut [Found] {
-    let count = found.len().min(SETTLED);
-    found.split_at_mut_checked(count).map_or(&mut [], |(first, _)| first)
+    /// The best mode with the heights next to its own, where they may be.
+    fn polish(&mut self, heights: &RangeInclusive<i8>, sheets: &[Sheet<'_>], best: Found) -> Found {
+        let Some(sheet) = sheets.get(usize::from(best.0.sheet)) else { return best };
+        let beside = [best.1.saturating_sub(1), best.1.saturating_add(1)];
+        let tried = beside.into_iter().filter(|height| heights.contains(height));
+        let tried = tried.map(|height| (refine(self.at(height), sheet, best.0), height));
+        tried.fold(best, |best, other| if other.0.score > best.0.score { other } else { best })
+    }
 }
 
 /// Adds a mode unless as many better ones are there, or a better one at the same pose.
@@ -147,22 +166,4 @@ fn offer(found: &mut Vec<Found, MAX_MODES>, wanted: usize, new: Found) {
         found.truncate(wanted - 1);
         let _ = found.insert(at.min(found.len()), new);
     }
-}
-
-/// The best mode with the heights next to its own, where they may be.
-fn polish<const N: usize>(
-    ranges: &Ranges,
-    heights: &core::ops::RangeInclusive<i8>,
-    sighting: &Sighting,
-    sheets: &[Sheet<'_>],
-    work: &mut Work<'_, N>,
-    best: Found,
-) -> Found {
-    let Some(sheet) = sheets.get(usize::from(best.0.sheet)) else { return best };
-    let beside = [best.1.saturating_sub(1), best.1.saturating_add(1)];
-    let tried = beside.into_iter().filter(|height| heights.contains(height)).map(|height| {
-        sight::evidence(ranges, height, sighting, work.table);
-        (refine(work.table, sheet, best.0), height)
-    });
-    tried.fold(best, |best, other| if other.0.score > best.0.score { other } else { best })
 }

@@ -59,16 +59,13 @@ pub fn scan(ranges: &Ranges, height: i8, sighting: &Sighting) -> (Scan, Confiden
     let mut scan = Scan::OPEN;
     let mut confidence = [0; BINS];
     let found: [_; BINS] = core::array::from_fn(|bin| ranges.range(bin, height));
-    let hits = sighting.hit.iter().zip(sighting.confidence.sixteenths());
-    for (bin, ((hit, sure), (steps, confidence))) in
-        hits.zip(scan.steps.iter_mut().zip(&mut confidence)).enumerate()
-    {
+    let seen = sighting.hit.iter().zip(sighting.confidence.sixteenths());
+    let rays = scan.steps.iter_mut().zip(&mut scan.hit).zip(&mut confidence);
+    for (bin, (((steps, hit), confidence), (looks, sure))) in rays.zip(seen).enumerate() {
         let Some(range) = nearest(&found, bin) else { continue };
         let open = range.metres >= FARTHEST_M;
         *steps = if open { MAX_STEPS } else { steps_of(range.metres) };
-        if let Some(slot) = scan.hit.get_mut(bin) {
-            *slot = if open { Hit::Open } else { *hit };
-        }
+        *hit = if open { Hit::Open } else { *looks };
         if found.get(bin).is_some_and(Option::is_some) {
             let sixteenths = libm::roundf(16.0 * range.confidence) as u8;
             *confidence = if *sure == 0 { sixteenths } else { sixteenths.max(1) };

@@ -1,6 +1,6 @@
 //! What both cameras see, in metres: range, hit type and how sure they are, by direction.
 
-use compass_core::boundary::{HEIGHTS_M, NOMINAL_HEIGHT_M, RUNG, Range, Ranges, height_rungs};
+use compass_core::boundary::{HEIGHTS_M, Range, Ranges, height_m, height_rungs};
 use compass_core::num::BINS;
 use compass_core::scan::{Hit, Scan};
 use compass_core::sight;
@@ -38,7 +38,7 @@ impl Height {
 
     /// The height over that of [`Self::rungs`].
     fn rest(&self) -> f32 {
-        self.camera_m / (NOMINAL_HEIGHT_M * (f32::from(self.rungs()) * RUNG).exp())
+        self.camera_m / height_m(self.rungs())
     }
 }
 
@@ -80,6 +80,7 @@ impl Surroundings {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use compass_core::boundary::RUNG;
 
     fn nothing() -> Sighting {
         Sighting {

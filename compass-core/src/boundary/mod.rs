@@ -88,8 +88,8 @@ impl<'a, 'r> Surveyor<'a, 'r> {
         support::normalize(edges);
         support::gather(edges, support);
         let (floor, ceiling) = support.split_at(RUNGS * BINS);
-        let least = height_m.map_or(evidence::CEILINGS, evidence::ceilings);
-        ranges.ceiling = evidence::ceiling(floor, ceiling, least);
+        let bounds = height_m.map_or(evidence::CEILINGS, evidence::ceilings);
+        ranges.ceiling = evidence::ceiling(floor, ceiling, bounds);
         evidence::fill(ranges, floor, ceiling);
     }
 }
@@ -99,6 +99,12 @@ impl<'a, 'r> Surveyor<'a, 'r> {
 pub fn height_rungs(height_m: f32) -> i8 {
     let bounded = if height_m >= HEIGHTS_M[0] { height_m.min(HEIGHTS_M[1]) } else { HEIGHTS_M[0] };
     libm::roundf(libm::logf(bounded / NOMINAL_HEIGHT_M) / RUNG) as i8
+}
+
+/// The height in metres that a shift in rungs stands for; [`height_rungs`] is within half a rung of it: 3 %.
+#[must_use]
+pub fn height_m(rungs: i8) -> f32 {
+    NOMINAL_HEIGHT_M * libm::expf(f32::from(rungs) * RUNG)
 }
 
 #[cfg(test)]

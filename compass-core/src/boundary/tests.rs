@@ -159,6 +159,8 @@ fn blank_frames_prefer_nothing() {
 fn heights_are_shifts() {
     assert_eq!(height_rungs(NOMINAL_HEIGHT_M), 0);
     assert_eq!(height_rungs(NOMINAL_HEIGHT_M * libm::expf(3.0 * RUNG)), 3);
+    let [least, most] = HEIGHTS_M.map(height_rungs);
+    assert!((least..=most).all(|rungs| height_rungs(height_m(rungs)) == rungs));
     assert_eq!(height_rungs(0.0), height_rungs(HEIGHTS_M[0]));
     assert_eq!(height_rungs(f32::NAN), height_rungs(HEIGHTS_M[0]));
     let ranges = survey(&ROOM, &tilted(), &[0, 1], 0, None);

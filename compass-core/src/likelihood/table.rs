@@ -113,21 +113,6 @@ impl Table {
         }
     }
 
-    /// All planes of one direction.
-    #[must_use]
-    pub fn column(&self, bin: usize) -> [i8; PLANES] {
-        self.values.each_ref().map(|row| row.get(bin).copied().unwrap_or(0))
-    }
-
-    /// Writes all planes of one direction, clipped to +-[`LIMIT`]; of no direction nothing is written.
-    pub fn set_column(&mut self, bin: usize, column: &[i8; PLANES]) {
-        for (row, &value) in self.values.iter_mut().zip(column) {
-            if let Some(slot) = row.get_mut(bin) {
-                *slot = value.clamp(-LIMIT, LIMIT);
-            }
-        }
-    }
-
     /// The value in a direction at a range between two rungs, linear in the logarithm of the range, in
     /// 1/4096 nat. Ranges below rung 0 count as rung 0.
     #[must_use]
@@ -253,14 +238,16 @@ mod tests {
         table.set(3, 5, -1000);
         table.set(PLANES as u8, 0, 5);
         table.set(0, BINS, 5);
-        table.set_column(BINS, &[5; PLANES]);
+        (0..PLANES as u8).for_each(|plane| table.set(plane, BINS, 5));
         assert_eq!((table.get(3, 4), table.get(3, 5), table.get(255, 0)), (LIMIT, -LIMIT, 0));
         table.set(3, 4, 0);
         table.set(3, 5, 0);
         assert_eq!(table, Table::EMPTY);
-        let column = core::array::from_fn(|plane| (plane % 256) as u8 as i8);
-        table.set_column(9, &column);
-        assert_eq!(table.column(9), column.map(|v| v.clamp(-LIMIT, LIMIT)));
+        let value = |plane: u8| plane as i8;
+        (0..PLANES as u8).for_each(|plane| table.set(plane, 9, value(plane).into()));
+        for plane in 0..PLANES as u8 {
+            assert_eq!(table.get(plane, 9), value(plane).clamp(-LIMIT, LIMIT));
+        }
         assert!(table.plane(OPEN_PLANE).is_some() && table.plane(PLANES as u8).is_none());
     }
 }
