@@ -53,6 +53,13 @@ impl Stage {
         let typical = values.get(values.len() / 2).copied().unwrap_or(bound);
         Self { name, unit, worst, typical, bound, compared: values.len(), in_bounds: worst >= bound }
     }
+
+    /// The first of two counts as a share of the second, at least so many parts in a million.
+    fn share(name: &'static str, [alike, all]: [usize; 2], least_ppm: u32) -> Self {
+        let share = alike as f64 / all.max(1) as f64;
+        let stage = Self::at_least(name, "share", vec![share], f64::from(least_ppm) / 1e6);
+        Self { compared: all, ..stage }
+    }
 }
 
 /// A pose that was cast by both.
@@ -130,15 +137,7 @@ pub fn interior_poses(raster: &PlanRaster, count: usize, seed: u64) -> Result<Ve
 fn march_stage(pairs: &[Pair]) -> Stage {
     let agreeing: usize = pairs.iter().map(|p| (0..360).filter(|&j| p.agrees(j)).count()).sum();
     let rays = 360 * pairs.len();
-    let share = agreeing as f64 / rays.max(1) as f64;
-    let mut stage = Stage::at_least(
-        "march: rays of the same hit within one step",
-        "share",
-        vec![share],
-        f64::from(AGREEING_RAYS_PPM) / 1e6,
-    );
-    stage.compared = rays;
-    stage
+    Stage::share("march: rays of the same hit within one step", [agreeing, rays], AGREEING_RAYS_PPM)
 }
 
 fn channel_stages(pairs: &[Pair]) -> Vec<Stage> {

@@ -2,6 +2,7 @@
 //! float reference that `compass-core` is checked against.
 
 pub mod calibration;
+mod clock;
 pub mod commands;
 pub mod compare;
 pub mod cross_modal;

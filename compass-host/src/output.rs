@@ -73,6 +73,18 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<()> {
     crate::figures::write_atomically(path, bytes).map_err(Into::into)
 }
 
+/// Writes an image as PNG, whole or not at all.
+///
+/// # Errors
+/// Names the file.
+pub fn write_png(path: &Path, image: &image::RgbImage) -> Result<()> {
+    let mut png = std::io::Cursor::new(Vec::new());
+    image
+        .write_to(&mut png, image::ImageFormat::Png)
+        .with_context(|| format!("{}: cannot be encoded", path.display()))?;
+    write_file(path, png.get_ref())
+}
+
 /// Creates a directory for output with all its parents.
 ///
 /// # Errors

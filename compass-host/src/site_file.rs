@@ -1,6 +1,7 @@
 //! Site files in memory: read and checked as a whole, made from floors.
 
-use crate::site::Bytes;
+use crate::plan_import::PlanRaster;
+use crate::site::{BuildOptions, Bytes, PackedPlan, build};
 use anyhow::{Context as _, Result, anyhow};
 use compass_core::site::{Floor, Site, SiteError, Writer};
 use compass_core::site_map::SiteMap;
@@ -71,4 +72,20 @@ pub fn site_bytes(floors: &[Floor<'_>]) -> Result<Vec<u8>, SiteError> {
     let writer = Writer::new(floors)?;
     let Ok(Bytes(bytes)) = writer.write(Bytes(Vec::with_capacity(writer.site_bytes())));
     Ok(bytes)
+}
+
+/// Builds the site file of one floor: its site map, its plan, and its structure as layer 1 where it is given.
+///
+/// # Errors
+/// As [`build`]; and a name that no floor can have.
+pub fn floor_bytes(
+    name: &str,
+    raster: &PlanRaster,
+    plan: &PackedPlan,
+    structure: Option<&PackedPlan>,
+    options: &BuildOptions,
+) -> Result<Vec<u8>> {
+    let map = build(raster, plan, structure, options)?;
+    let floor = Floor::new(name, SiteMap::new(&map)?, plan.view(), structure.map(PackedPlan::view))?;
+    Ok(site_bytes(&[floor])?)
 }

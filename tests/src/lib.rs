@@ -1,6 +1,5 @@
 //! Helpers shared by the tests that span the crates.
 
-use compass_core::site::Floor;
 use compass_core::site_map::SiteMap;
 use compass_host::calibration::{Calibration, NOMINAL_YAML};
 use compass_host::dataset::tum::Pose;
@@ -9,7 +8,7 @@ use compass_host::plan_import::structure::{DEFAULT_THICKNESS_M, keep_structure};
 use compass_host::sample;
 use compass_host::simulate::{Renderer, Scene, SceneOptions};
 use compass_host::site::{self, BuildOptions, PackedPlan};
-use compass_host::site_file::site_bytes;
+use compass_host::site_file::floor_bytes;
 use image::RgbImage;
 use serde_json::Value;
 use std::collections::BTreeSet;
@@ -82,11 +81,8 @@ pub fn sample_site() -> &'static [u8] {
         let (raster, plan) = sample_plan();
         let kept = keep_structure(raster, DEFAULT_THICKNESS_M).expect("sample building has a structure");
         let structure = PackedPlan::new(&kept).expect("its structure packs");
-        let map = site::build(raster, plan, Some(&structure), &BuildOptions::default());
-        let map = map.expect("sample map builds");
-        let map = SiteMap::new(&map).expect("a map");
-        let floor = Floor::new("sample", map, plan.view(), Some(structure.view())).expect("its own plans");
-        site_bytes(&[floor]).expect("one floor is a site")
+        floor_bytes("sample", raster, plan, Some(&structure), &BuildOptions::default())
+            .expect("the site of one floor builds")
     })
 }
 

@@ -4,10 +4,10 @@ use super::Outcome;
 use super::describe::Described;
 use super::localize::Pose;
 use super::{pictures, plan};
-use crate::figures::{self, Curve, HitComparison, MapPose, Scores, Shifts, SiteMapPicture};
+use crate::figures::{self, Curve, HitComparison, Scores, Shifts};
 use crate::localizer::{Localizer, MatchOptions};
 use crate::noise::disturb;
-use crate::output::{Decimal, JsonOption, create_dir, write_file};
+use crate::output::{Decimal, JsonOption, create_dir, write_png};
 use crate::plan_import::PlanRaster;
 use crate::report::{Picture, Section, Table, write_html};
 use crate::sample::{self, DEMO_POSE};
@@ -150,7 +150,8 @@ impl Demo {
 
 fn draw(dir: &Path, run: &Run, poses: &[Pose<'_>]) -> Result<()> {
     let (at, heading) = DEMO_POSE;
-    write_plan(&dir.join("sample-building.png"))?;
+    // For the other commands to read.
+    write_png(&dir.join("sample-building.png"), &sample::image(&sample::building()))?;
     pictures::describe(dir, &run.raster, at, heading, &Described::fixed(&run.clean))?;
     let matched = matched_scan(run)?;
     let curves = curves(run)?;
@@ -169,13 +170,6 @@ fn draw(dir: &Path, run: &Run, poses: &[Pose<'_>]) -> Result<()> {
     let curves = [Curve { label: "plain", score: &plain }, Curve { label: "centred", score: &centred }];
     figures::draw_correlation(&dir.join("correlation.png"), &curves, Shifts::Turn)?;
     draw_map(dir, run, poses)
-}
-
-/// Writes the sample building as an image, for the other commands to read.
-fn write_plan(path: &Path) -> Result<()> {
-    let mut png = std::io::Cursor::new(Vec::new());
-    sample::image(&sample::building()).write_to(&mut png, image::ImageFormat::Png)?;
-    write_file(path, png.get_ref())
 }
 
 /// The best candidate's scan, turned to the heading that was found.
@@ -230,22 +224,8 @@ fn draw_map(dir: &Path, run: &Run, poses: &[Pose<'_>]) -> Result<()> {
             query.peak(&Candidate::from(&Descriptor::from(&scan)), &mut correlator).score().to_num()
         })
         .collect();
-    let positions: Vec<[f64; 2]> = (0..map.len())
-        .filter_map(|index| map.position(index))
-        .map(|at| [at.x.to_num(), at.y.to_num()])
-        .collect();
-    let pose = |p: &Pose<'_>| MapPose { position: [p.x.0, p.y.0], heading_deg: p.heading_deg.0 };
-    let alternatives: Vec<MapPose> = poses.iter().skip(1).map(pose).collect();
-    let picture = SiteMapPicture {
-        candidates: &positions,
-        scores: Some(Scores { label: "best centred score over all headings", values: &values }),
-        truth: Some(MapPose { position: DEMO_POSE.0, heading_deg: DEMO_POSE.1 }),
-        found: poses.first().map(pose),
-        alternatives: &alternatives,
-    };
-    let path = dir.join("site-map.png");
-    pictures::with_plan(&run.raster, |plan| figures::draw_site_map(&path, plan, &picture))?;
-    Ok(())
+    let scores = Scores { label: "best centred score over all headings", values: &values };
+    pictures::site_map(&dir.join("site-map.png"), &run.raster, &map, Some(scores), DEMO_POSE, poses)
 }
 
 fn sections(run: &Run, poses: &[Pose<'_>]) -> Vec<Section> {

@@ -3,6 +3,7 @@
 use super::Outcome;
 use super::cameras::CameraArgs;
 use super::plan::{Reading, finite, pair};
+use crate::clock::Clock;
 use crate::localizer::{MatchOptions, SiteAnswer, SiteLocalizer};
 use crate::noise::disturb;
 use crate::output::{Decimal, JsonOption};
@@ -15,7 +16,6 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 mod sighted;
 
@@ -182,7 +182,7 @@ impl Localize {
     }
 
     fn cast(&self, plan_path: &Path, (at, heading): ([f64; 2], f64)) -> Result<Outcome> {
-        let mut clock = Clock::default();
+        let mut clock = Clock::start();
         let file = SiteFile::read(&self.map)?;
         let storeys = file.storeys();
         clock.stage("read_map");
@@ -216,7 +216,7 @@ impl Localize {
             heading_error_deg: Decimal(heading_error),
             scored: answer.scored,
             exhaustive: answer.exhaustive,
-            milliseconds: clock.stages,
+            milliseconds: milliseconds(&clock),
         };
         self.json.emit(&output, &summary)?;
         Ok(Outcome::Done)
@@ -239,28 +239,12 @@ fn summary(poses: &[Pose<'_>], answer: &SiteAnswer, clock: &Clock, (at, heading)
         );
     }
     let margin: f64 = answer.margin().to_num();
-    let search = clock.stages.get("search").map_or(0.0, |d| d.0);
+    let search = clock.stages().get("search").copied().unwrap_or(0.0);
     let _ = writeln!(text, "margin {margin:.4}, {} candidates scored, search {search:.1} ms", answer.scored);
     text
 }
 
-/// Milliseconds by stage.
-#[derive(Debug)]
-struct Clock {
-    last: Instant,
-    stages: BTreeMap<&'static str, Decimal>,
-}
-
-impl Default for Clock {
-    fn default() -> Self {
-        Self { last: Instant::now(), stages: BTreeMap::new() }
-    }
-}
-
-impl Clock {
-    fn stage(&mut self, name: &'static str) {
-        let now = Instant::now();
-        self.stages.insert(name, Decimal((now - self.last).as_secs_f64() * 1e3));
-        self.last = now;
-    }
+/// The time that each stage took, as it is reported.
+fn milliseconds(clock: &Clock) -> BTreeMap<&'static str, Decimal> {
+    clock.stages().iter().map(|(stage, ms)| (*stage, Decimal(*ms))).collect()
 }

@@ -1,10 +1,12 @@
 //! The plan-side pictures of the paper, for `describe` and `demo`.
 
 use super::describe::Described;
-use crate::figures::{self, PlanPicture};
+use super::localize::Pose;
+use crate::figures::{self, MapPose, PlanPicture, Scores, SiteMapPicture};
 use crate::output::create_dir;
 use crate::plan_import::PlanRaster;
 use anyhow::Result;
+use compass_core::site_map::SiteMap;
 use std::path::Path;
 
 /// Calls `draw` with the plan as the figures want it.
@@ -35,5 +37,31 @@ pub(super) fn describe(
     figures::draw_polar(&dir.join("polar.png"), range_m, hit)?;
     figures::draw_descriptor(&dir.join("descriptor.png"), channels)?;
     figures::draw_profile(&dir.join("profile.png"), range_m, &described.gradient_m(), hit)?;
+    Ok(())
+}
+
+/// Draws the candidates of a map over its plan, by their scores if there are any, with the true pose and the answers.
+pub(super) fn site_map(
+    path: &Path,
+    raster: &PlanRaster,
+    map: &SiteMap<'_>,
+    scores: Option<Scores<'_>>,
+    (position, heading_deg): ([f64; 2], f64),
+    answers: &[Pose<'_>],
+) -> Result<()> {
+    let positions: Vec<[f64; 2]> = (0..map.len())
+        .filter_map(|index| map.position(index))
+        .map(|at| [at.x.to_num(), at.y.to_num()])
+        .collect();
+    let pose = |p: &Pose<'_>| MapPose { position: [p.x.0, p.y.0], heading_deg: p.heading_deg.0 };
+    let alternatives: Vec<MapPose> = answers.iter().skip(1).map(pose).collect();
+    let picture = SiteMapPicture {
+        candidates: &positions,
+        scores,
+        truth: Some(MapPose { position, heading_deg }),
+        found: answers.first().map(pose),
+        alternatives: &alternatives,
+    };
+    with_plan(raster, |plan| figures::draw_site_map(path, plan, &picture))?;
     Ok(())
 }

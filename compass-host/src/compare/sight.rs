@@ -110,14 +110,7 @@ impl Differences {
 
     fn stages(self) -> Vec<Stage> {
         let [alike, all] = self.edges;
-        let share = alike as f64 / all.max(1) as f64;
-        let mut edges = Stage::at_least(
-            "boundary: edges alike within 2 gray levels",
-            "share",
-            vec![share],
-            f64::from(EDGES_PPM) / 1e6,
-        );
-        edges.compared = all;
+        let edges = Stage::share("boundary: edges alike within 2 gray levels", [alike, all], EDGES_PPM);
         let bound = f64::from(EVIDENCE_ERROR);
         vec![
             Stage::at_most("attitude: up vector", "degrees", self.up_deg, f64::from(UP_ERROR_DEG)),

@@ -1,6 +1,7 @@
 //! One thread's eyes and searches.
 
 use super::{Evidence, Found, Job, Record, oracle};
+use crate::clock::Clock;
 use crate::dataset::euroc::Shot;
 use crate::eyes::{Eyes, EyesError};
 use crate::frame::Frame;
@@ -8,7 +9,7 @@ use crate::localizer::{Localizer, MatchOptions};
 use crate::locator::Locator;
 use crate::site;
 use anyhow::{Context as _, Result};
-use compass_core::boundary::{NOMINAL_HEIGHT_M, RUNG, Ranges, height_rungs};
+use compass_core::boundary::{NOMINAL_HEIGHT_M, Ranges, height_rungs};
 use compass_core::likelihood::Mode;
 use compass_core::num::BINS;
 use compass_core::scan::Scan;
@@ -16,7 +17,6 @@ use compass_core::sight;
 use compass_core::similarity::{Confidence, Similarity};
 use compass_core::windows::level::Sighting;
 use std::collections::BTreeMap;
-use std::time::Instant;
 
 /// Sizes of the frames of the two cameras.
 type Sizes = [Option<(u32, u32)>; 2];
@@ -37,20 +37,6 @@ impl std::fmt::Debug for Worker<'_> {
     }
 }
 
-/// Milliseconds by stage.
-struct Clock {
-    last: Instant,
-    stages: BTreeMap<String, f64>,
-}
-
-impl Clock {
-    fn stage(&mut self, name: &str) {
-        let now = Instant::now();
-        self.stages.insert(name.to_owned(), (now - self.last).as_secs_f64() * 1e3);
-        self.last = now;
-    }
-}
-
 impl<'a> Worker<'a> {
     /// `None` if a floor has no plan to refine poses on.
     #[must_use]
@@ -65,7 +51,7 @@ impl<'a> Worker<'a> {
     /// # Errors
     /// Names the file that cannot be read or written.
     pub fn record(&mut self, shot: &Shot) -> Result<Record> {
-        let mut clock = Clock { last: Instant::now(), stages: BTreeMap::new() };
+        let mut clock = Clock::start();
         let read = |camera: usize| shot.files[camera].as_deref().map(Frame::read).transpose();
         let frames = [read(0)?, read(1)?];
         let frames = frames.each_ref().map(Option::as_ref);
@@ -91,7 +77,7 @@ impl<'a> Worker<'a> {
             Err(problem) => record.problem = Some(problem.to_string()),
         }
         self.oracle(&mut record, &mut clock);
-        record.milliseconds = clock.stages;
+        record.milliseconds = clock.stages().iter().map(|(stage, ms)| ((*stage).to_owned(), *ms)).collect();
         Ok(record)
     }
 
@@ -141,8 +127,7 @@ impl<'a> Worker<'a> {
     ) -> Result<()> {
         let fix = self.locator.locate(ranges, self.job.height_m.map(height_rungs), sighting);
         clock.stage("locate");
-        let found = NOMINAL_HEIGHT_M * (f32::from(fix.height) * RUNG).exp();
-        record.height_m = self.job.height_m.unwrap_or(found);
+        record.height_m = self.job.height_m.unwrap_or_else(|| fix.height_m());
         // A score of 0 says nothing.
         record.single = Found::all(&fix.answer).into_iter().filter(|found| found.score > 0).collect();
         record.height = fix.height;
@@ -179,7 +164,7 @@ impl<'a> Worker<'a> {
     /// The search with what the plan says at the true pose, where there is one and it is free.
     fn oracle(&mut self, record: &mut Record, clock: &mut Clock) {
         let Some(truth) = self.job.truth.at(record.timestamp_ns) else { return };
-        clock.last = Instant::now();
+        clock.restart();
         let plan = self.job.storeys.get(self.job.floor).and_then(|storey| storey.floor?.plan(0));
         let at = site::point(truth.position.x, truth.position.y);
         let mut scan = Scan { steps: [0; BINS], ..Scan::OPEN };

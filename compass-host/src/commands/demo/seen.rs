@@ -6,22 +6,18 @@ use crate::commands::localize::{Pose, pose_of};
 use crate::commands::pictures;
 use crate::dataset::tum;
 use crate::eyes::{Eyes, Mount};
-use crate::figures::{self, MapPose, SiteMapPicture};
 use crate::frame::Frame;
 use crate::locator::Locator;
-use crate::output::{Decimal, create_dir, write_file};
+use crate::output::{Decimal, create_dir, write_file, write_png};
 use crate::plan_import::PlanRaster;
 use crate::plan_import::structure::{DEFAULT_THICKNESS_M, keep_structure};
 use crate::report::{Picture, Section, Table};
 use crate::sample::FRAME_POSE;
 use crate::simulate::{Scene, SceneOptions, render};
-use crate::site::{BuildOptions, PackedPlan, build};
-use crate::site_file::{SiteFile, site_bytes};
+use crate::site::{BuildOptions, PackedPlan};
+use crate::site_file::{SiteFile, floor_bytes};
 use crate::surroundings::Surroundings;
 use anyhow::{Context as _, Result};
-use compass_core::site::Floor;
-use compass_core::site_map::SiteMap;
-use image::RgbImage;
 use std::path::Path;
 use std::time::Instant;
 
@@ -43,7 +39,9 @@ pub(super) struct Seen {
 pub(super) fn run(dir: &Path, raster: &PlanRaster, plan: &PackedPlan) -> Result<Seen> {
     create_dir(dir)?;
     let path = dir.join("sample.site");
-    write_file(&path, &site(raster, plan)?)?;
+    let structure = PackedPlan::new(&keep_structure(raster, DEFAULT_THICKNESS_M)?)?;
+    let site = floor_bytes("sample", raster, plan, Some(&structure), &BuildOptions::default())?;
+    write_file(&path, &site)?;
     let file = SiteFile::read(&path)?;
     let storeys = file.storeys();
     let mut locator = Locator::new(&storeys).context("a site file has plans")?;
@@ -52,7 +50,8 @@ pub(super) fn run(dir: &Path, raster: &PlanRaster, plan: &PackedPlan) -> Result<
     let rig = Calibration::nominal().rig([Some(SIZE); 2])?;
     let images = render(&Scene::new(&SceneOptions::default(), raster), &rig, &pose);
     for (camera, image) in images.iter().enumerate() {
-        write_image(&dir.join(format!("cam{camera}.png")), image.as_ref())?;
+        let image = image.as_ref().context("the rig has two cameras")?;
+        write_png(&dir.join(format!("cam{camera}.png")), image)?;
     }
     let frames = images.map(|image| image.and_then(Frame::from_rgb));
     let frames = frames.each_ref().map(Option::as_ref);
@@ -72,42 +71,9 @@ pub(super) fn run(dir: &Path, raster: &PlanRaster, plan: &PackedPlan) -> Result<
     Found { frames, eyes: &eyes, level, windows: &windows, sighting: &sighting, surroundings, plan }
         .draw(dir)?;
     let poses: Vec<_> = fix.answer.modes().iter().map(|mode| pose_of(mode, None)).collect();
-    draw_map(dir, raster, &storeys[0].map, &poses)?;
+    pictures::site_map(&dir.join("map.png"), raster, &storeys[0].map, None, FRAME_POSE, &poses)?;
     let probability = f64::from(fix.probability());
     Ok(Seen { poses, probability, camera_height_m: f64::from(height_m), milliseconds })
-}
-
-/// The sample building as a site file: one floor of two layers.
-fn site(raster: &PlanRaster, plan: &PackedPlan) -> Result<Vec<u8>> {
-    let structure = PackedPlan::new(&keep_structure(raster, DEFAULT_THICKNESS_M)?)?;
-    let map = build(raster, plan, Some(&structure), &BuildOptions::default())?;
-    let floor = Floor::new("sample", SiteMap::new(&map)?, plan.view(), Some(structure.view()))?;
-    Ok(site_bytes(&[floor])?)
-}
-
-fn write_image(path: &Path, image: Option<&RgbImage>) -> Result<()> {
-    let mut png = std::io::Cursor::new(Vec::new());
-    image.context("the rig has two cameras")?.write_to(&mut png, image::ImageFormat::Png)?;
-    write_file(path, png.get_ref())
-}
-
-fn draw_map(dir: &Path, raster: &PlanRaster, map: &SiteMap<'_>, poses: &[Pose<'_>]) -> Result<()> {
-    let positions: Vec<[f64; 2]> = (0..map.len())
-        .filter_map(|index| map.position(index))
-        .map(|at| [at.x.to_num(), at.y.to_num()])
-        .collect();
-    let pose = |p: &Pose<'_>| MapPose { position: [p.x.0, p.y.0], heading_deg: p.heading_deg.0 };
-    let alternatives: Vec<MapPose> = poses.iter().skip(1).map(pose).collect();
-    let picture = SiteMapPicture {
-        candidates: &positions,
-        scores: None,
-        truth: Some(MapPose { position: FRAME_POSE.0, heading_deg: FRAME_POSE.1 }),
-        found: poses.first().map(pose),
-        alternatives: &alternatives,
-    };
-    let path = dir.join("map.png");
-    pictures::with_plan(raster, |plan| figures::draw_site_map(&path, plan, &picture))?;
-    Ok(())
 }
 
 impl Seen {

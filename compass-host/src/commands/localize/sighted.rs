@@ -1,6 +1,7 @@
 //! The pose of camera frames.
 
-use super::{Clock, Pose};
+use super::{Pose, milliseconds};
+use crate::clock::Clock;
 use crate::commands::Outcome;
 use crate::commands::cameras::{CameraArgs, Cameras};
 use crate::locator::Locator;
@@ -56,7 +57,7 @@ pub(super) fn run(
     least_probability: f64,
     json: &JsonOption,
 ) -> Result<Outcome> {
-    let mut clock = Clock::default();
+    let mut clock = Clock::start();
     let file = SiteFile::read(map)?;
     let storeys = file.storeys();
     let mut locator = Locator::new(&storeys).ok_or_else(|| {
@@ -107,7 +108,7 @@ pub(super) fn run(
         candidates: poses,
         position_error_m: errors.map(|(metres, _)| Decimal(metres)),
         heading_error_deg: errors.map(|(_, degrees)| Decimal(degrees)),
-        milliseconds: clock.stages,
+        milliseconds: milliseconds(&clock),
     };
     json.emit(&output, &summary(&output))?;
     Ok(Outcome::Done)

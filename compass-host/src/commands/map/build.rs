@@ -6,11 +6,10 @@ use crate::interior::CLEARANCE_M;
 use crate::output::{Decimal, JsonOption, write_file};
 use crate::plan_import::PlanRaster;
 use crate::plan_import::structure::{DEFAULT_THICKNESS_M, StructureError, keep_structure};
-use crate::site::{BuildOptions, PackedPlan, build};
-use crate::site_file::site_bytes;
+use crate::site::{BuildOptions, PackedPlan};
+use crate::site_file::floor_bytes;
 use anyhow::{Context as _, Result};
-use compass_core::site::{Floor, MAX_NAME_BYTES, is_name};
-use compass_core::site_map::SiteMap;
+use compass_core::site::{MAX_NAME_BYTES, Site, is_name};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -69,18 +68,16 @@ impl Build {
         let options =
             BuildOptions { spacing_m: self.spacing, clearance_m: self.clearance, max_gap_m: self.max_gap };
         let structure = self.structure(&raster, &plan).with_context(|| path.display().to_string())?;
-        let map = build(&raster, &plan, structure.packed(), &options)
-            .with_context(|| path.display().to_string())?;
-        let map = SiteMap::new(&map)?;
         let name = self.name.clone().unwrap_or_else(|| default_name(path));
-        let floor = Floor::new(&name, map, plan.view(), structure.packed().map(PackedPlan::view))?;
-        let bytes = site_bytes(&[floor])?;
+        let bytes = floor_bytes(&name, &raster, &plan, structure.packed(), &options)
+            .with_context(|| path.display().to_string())?;
         write_file(&self.out, &bytes)?;
         if let Some(path) = &self.plan_out {
             write_file(path, plan.as_bytes())?;
         }
+        let floor = Site::new(&bytes)?.floor(0).context("a site file has a floor")?;
         let built = Built {
-            candidates: map.len(),
+            candidates: floor.map().len(),
             layers: floor.layers(),
             bytes: bytes.len(),
             seconds: Decimal(started.elapsed().as_secs_f64()),
