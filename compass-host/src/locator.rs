@@ -5,6 +5,7 @@ use compass_core::boundary::Ranges;
 use compass_core::likelihood::{Answer, Mode, Rows, Sheet, Table, answer, refine, search};
 use compass_core::locate::{Fix, Work, locate};
 use compass_core::windows::level::Sighting;
+use thiserror::Error;
 
 /// Modes that the search may choose from.
 const POOL: usize = 512;
@@ -12,6 +13,11 @@ const POOL: usize = 512;
 const HEADINGS: usize = 90;
 /// Modes that are refined.
 const MODES: usize = 24;
+
+/// A floor of a site has no plan.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+#[error("has no plan to refine poses on; build it anew with compass map build")]
+pub struct NoPlan;
 
 /// All layers of all floors of a site, and buffers for the search.
 #[derive(Debug)]
@@ -23,18 +29,20 @@ pub struct Locator<'a> {
 }
 
 impl<'a> Locator<'a> {
-    /// For these floors; `None` if one has no plan to refine poses on, as plain site maps have none.
-    #[must_use]
-    pub fn new(storeys: &[Storey<'a>]) -> Option<Self> {
+    /// For these floors.
+    ///
+    /// # Errors
+    /// [`NoPlan`] if one has no plan to refine poses on, as plain site maps have none.
+    pub fn new(storeys: &[Storey<'a>]) -> Result<Self, NoPlan> {
         let mut sheets = Vec::new();
         for (number, storey) in (0..).zip(storeys) {
-            let floor = storey.floor?;
+            let floor = storey.floor.ok_or(NoPlan)?;
             for layer in 0..floor.layers() as u8 {
-                let plan = floor.plan(usize::from(layer))?;
+                let plan = floor.plan(usize::from(layer)).ok_or(NoPlan)?;
                 sheets.push(Sheet { map: storey.map, layer, plan, floor: number });
             }
         }
-        Some(Self {
+        Ok(Self {
             sheets,
             table: Box::new(Table::EMPTY),
             rows: Box::new(Rows::BLANK),

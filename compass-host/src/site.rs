@@ -76,6 +76,12 @@ pub fn turn(degrees: f64) -> Turn {
     Turn::from_bits((share * 4_294_967_296.0).round() as u64 as u32)
 }
 
+/// An angle in degrees, of any size, as one from -180 up to 180.
+#[must_use]
+pub fn wrapped(degrees: f64) -> f64 {
+    (degrees + 180.0).rem_euclid(360.0) - 180.0
+}
+
 /// Options of [`build`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BuildOptions {
@@ -176,7 +182,7 @@ mod tests {
     fn degrees_become_turns() {
         for degrees in [-720.0, -90.0, 0.0, 12.345, 359.999_999_999_9, 1e6] {
             let back = f64::from(turn(degrees).to_bits()) / 4_294_967_296.0 * 360.0;
-            let error = (back - f64::rem_euclid(degrees, 360.0) + 180.0).rem_euclid(360.0) - 180.0;
+            let error = wrapped(back - f64::rem_euclid(degrees, 360.0));
             assert!(error.abs() < 1e-7, "{degrees} became {back}");
         }
         assert!(point(f64::NAN, 0.0).is_none());

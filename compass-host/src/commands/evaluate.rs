@@ -12,7 +12,7 @@ use crate::eyes::Mount;
 use crate::locator::Locator;
 use crate::output::{Decimal, JsonOption, create_dir, write_file};
 use crate::site_file::{SiteFile, Storey};
-use anyhow::{Context as _, Result, anyhow, bail};
+use anyhow::{Context as _, Result, bail};
 use compass_core::track::Estimate;
 use std::collections::{BTreeMap, HashMap};
 use std::num::NonZeroUsize;
@@ -71,10 +71,7 @@ impl Evaluate {
         // Everything is read before anything is written.
         let file = SiteFile::read(&self.map)?;
         let storeys = file.storeys();
-        let mut locator = Locator::new(&storeys).ok_or_else(|| {
-            let map = self.map.display();
-            anyhow!("{map}: has no plan to refine poses on; build it anew with compass map build")
-        })?;
+        let mut locator = Locator::new(&storeys).with_context(|| self.map.display().to_string())?;
         let floor = self.floor(&storeys)?;
         let calibration = Calibration::load(&self.calib)?;
         let mut shots = euroc::read(&self.dataset)?;

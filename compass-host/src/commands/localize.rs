@@ -7,6 +7,7 @@ use crate::clock::Clock;
 use crate::localizer::{MatchOptions, SiteAnswer, SiteLocalizer};
 use crate::noise::disturb;
 use crate::output::{Decimal, JsonOption};
+use crate::site::wrapped;
 use crate::site_file::{SiteFile, Storey};
 use anyhow::{Context as _, Result, bail};
 use compass_core::matching::Match;
@@ -133,7 +134,7 @@ impl<'a> Pose<'a> {
 
     /// Distance in metres and angle in degrees from a true pose.
     pub(super) fn error(&self, at: [f64; 2], heading_deg: f64) -> (f64, f64) {
-        let turn = (self.heading_deg.0 - heading_deg + 180.0).rem_euclid(360.0) - 180.0;
+        let turn = wrapped(self.heading_deg.0 - heading_deg);
         ((self.x.0 - at[0]).hypot(self.y.0 - at[1]), turn.abs())
     }
 }

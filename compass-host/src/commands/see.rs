@@ -8,6 +8,7 @@ use super::plan::PoseOnPlan;
 use crate::compare::float_levels;
 use crate::eyes::{Eyes, EyesError};
 use crate::output::{Decimal, JsonOption, decimals};
+use crate::site::wrapped;
 use crate::surroundings::Surroundings;
 use anyhow::{Context as _, Result};
 use compass_core::camera::{Pixel, View};
@@ -78,7 +79,7 @@ impl WindowOutput {
         let (left, right) = (direction(x0, y)?[0], direction(x1, y)?[0]);
         let (top, bottom) = (direction(x, y0)?[1], direction(x, y1)?[1]);
         // An upside-down camera has the counter-clockwise end at its right.
-        let turn = (left - right + 180.0).rem_euclid(360.0) - 180.0;
+        let turn = wrapped(left - right);
         let from = if turn >= 0.0 { right } else { left };
         Some(Self {
             camera: if camera == 0 { "cam0" } else { "cam1" },

@@ -1,6 +1,7 @@
 //! Trajectories between their poses.
 
 use super::tum::{self, Pose, TumError};
+use crate::site::wrapped;
 use compass_core::track::Motion;
 use std::path::Path;
 
@@ -49,7 +50,7 @@ impl Trajectory {
         let way = to.position - from.position;
         let heading = from.heading_deg().to_radians();
         let (sin, cos) = (libm::sin(heading), libm::cos(heading));
-        let turn = (to.heading_deg() - from.heading_deg() + 180.0).rem_euclid(360.0) - 180.0;
+        let turn = wrapped(to.heading_deg() - from.heading_deg());
         Some(Motion {
             forward_m: (way.x * cos + way.y * sin) as f32,
             left_m: (way.y * cos - way.x * sin) as f32,

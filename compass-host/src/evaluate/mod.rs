@@ -78,7 +78,7 @@ pub fn localize(job: &Job<'_>, shots: &[Shot], journal: &Journal, jobs: usize) -
             let worked = worker
                 .get_or_insert_with(|| Worker::new(job))
                 .as_mut()
-                .context("a floor has no plan to refine poses on")
+                .map_err(|no_plan| (*no_plan).into())
                 .and_then(|worker| worker.record(shot))
                 .and_then(|record| journal.add(record));
             if let Err(error) = worked {

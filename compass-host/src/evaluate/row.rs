@@ -3,6 +3,7 @@
 use super::Found;
 use crate::dataset::tum::Pose;
 use crate::output::Decimal;
+use crate::site::wrapped;
 use compass_core::likelihood::Sheet;
 use serde::Serialize;
 
@@ -57,7 +58,7 @@ impl Judge<'_> {
     pub fn misses(&self, found: Option<&Found>, truth: &Pose) -> Misses {
         let Some(found) = found.filter(|found| self.is_on_floor(found)) else { return Misses::ALL };
         let [x, y] = found.position();
-        let turn = (found.heading_deg() - truth.heading_deg() + 180.0).rem_euclid(360.0) - 180.0;
+        let turn = wrapped(found.heading_deg() - truth.heading_deg());
         Misses { metres: (x - truth.position.x).hypot(y - truth.position.y), degrees: turn.abs() }
     }
 }

@@ -6,7 +6,7 @@ use crate::dataset::euroc::Shot;
 use crate::eyes::{Eyes, EyesError};
 use crate::frame::Frame;
 use crate::localizer::{Localizer, MatchOptions};
-use crate::locator::Locator;
+use crate::locator::{Locator, NoPlan};
 use crate::site;
 use anyhow::{Context as _, Result};
 use compass_core::boundary::{NOMINAL_HEIGHT_M, Ranges, height_rungs};
@@ -38,12 +38,14 @@ impl std::fmt::Debug for Worker<'_> {
 }
 
 impl<'a> Worker<'a> {
-    /// `None` if a floor has no plan to refine poses on.
-    #[must_use]
-    pub fn new(job: &'a Job<'a>) -> Option<Self> {
+    /// With the buffers for all of the job.
+    ///
+    /// # Errors
+    /// [`NoPlan`] if a floor has no plan to refine poses on.
+    pub fn new(job: &'a Job<'a>) -> Result<Self, NoPlan> {
         let locator = Locator::new(job.storeys)?;
         let papers = job.storeys.iter().map(|storey| Localizer::new(storey.map)).collect();
-        Some(Self { job, eyes: Vec::new(), locator, papers })
+        Ok(Self { job, eyes: Vec::new(), locator, papers })
     }
 
     /// Localizes a frame in every way and keeps its evidence.

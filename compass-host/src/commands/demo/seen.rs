@@ -44,7 +44,7 @@ pub(super) fn run(dir: &Path, raster: &PlanRaster, plan: &PackedPlan) -> Result<
     write_file(&path, &site)?;
     let file = SiteFile::read(&path)?;
     let storeys = file.storeys();
-    let mut locator = Locator::new(&storeys).context("a site file has plans")?;
+    let mut locator = Locator::new(&storeys)?;
     let ([x, y], heading) = FRAME_POSE;
     let pose = tum::Pose::looking(0, [x, y, HEIGHT_M], heading, PITCH_ROLL_DEG[0], PITCH_ROLL_DEG[1]);
     let rig = Calibration::nominal().rig([Some(SIZE); 2])?;

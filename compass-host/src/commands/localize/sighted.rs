@@ -7,7 +7,7 @@ use crate::commands::cameras::{CameraArgs, Cameras};
 use crate::locator::Locator;
 use crate::output::{Decimal, JsonOption};
 use crate::site_file::{SiteFile, Storey};
-use anyhow::{Context as _, Result, anyhow};
+use anyhow::{Context as _, Result};
 use compass_core::boundary::height_rungs;
 use compass_core::likelihood::{Mode, Sheet};
 use serde::Serialize;
@@ -60,9 +60,7 @@ pub(super) fn run(
     let mut clock = Clock::start();
     let file = SiteFile::read(map)?;
     let storeys = file.storeys();
-    let mut locator = Locator::new(&storeys).ok_or_else(|| {
-        anyhow!("{}: has no plan to refine poses on; build it anew with compass map build", map.display())
-    })?;
+    let mut locator = Locator::new(&storeys).with_context(|| map.display().to_string())?;
     clock.stage("read_map");
     let Cameras { frames, mut eyes, up, height_m, name } = cameras.load()?;
     let frames = frames.each_ref().map(Option::as_ref);
