@@ -52,6 +52,7 @@ pub mod likelihood;
 pub mod locate;
 pub mod matching;
 pub mod num;
+mod order;
 pub mod plan;
 pub mod raster;
 pub mod scan;

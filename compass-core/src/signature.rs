@@ -15,6 +15,7 @@
 //! | 10..=15 | range at ranks 30, 90, 150, 210, 270, 330 of 360, half the code of the range ladder |
 
 use crate::num::BINS;
+use crate::order;
 use crate::scan::{Hit, Scan};
 use crate::site_map::ladder_code;
 
@@ -40,7 +41,7 @@ impl Signature {
         let mut counts = Counts::default();
         counts.add_runs(&glazed);
         let mut sorted = scan.steps;
-        sorted.sort_unstable();
+        order::sort_by_key(&mut sorted, |steps| *steps);
         let quantiles = RANKS.map(|rank| ladder_code(sorted.get(rank).copied().unwrap_or(1)) / 2);
 
         let half = |bins: usize| (bins / 2) as u8;

@@ -1,6 +1,7 @@
 //! The best matches that lie apart.
 
 use crate::num::{BINS, Metres, Point, Score, Turn};
+use crate::order;
 use crate::similarity::Peak;
 use crate::site_map::SiteMap;
 
@@ -58,7 +59,7 @@ impl Answer {
     /// Sorts the pool and keeps the best matches that lie apart.
     pub(super) fn select(pool: &mut [Match], map: &SiteMap<'_>, scored: u32, exhaustive: bool) -> Self {
         let at = |candidate: u32| map.position(candidate as usize).unwrap_or_default();
-        pool.sort_unstable_by_key(Match::order);
+        order::sort_by_key(pool, Match::order);
         let mut matches: heapless::Vec<Match, MAX_ALTERNATIVES> = heapless::Vec::new();
         for found in pool.iter().filter(|m| m.candidate != u32::MAX) {
             if matches.iter().all(|kept| found.is_apart(kept, at)) && matches.push(*found).is_err() {

@@ -138,7 +138,7 @@ impl Search<'_, '_> {
         let candidates = (0..).zip(bounds.iter()).filter(|(_, b)| **b > i32::MIN);
         let used = top_candidates(&mut seeds, candidates.map(|(c, b)| (*b, c)));
         let seeds = seeds.get(..used).unwrap_or_default();
-        let (first, others) = seeds.split_at(used.min(PROBES));
+        let (first, others) = seeds.split_at_checked(PROBES).unwrap_or((seeds, &[]));
         for &(_, candidate) in first {
             self.score(candidate, None);
         }
@@ -333,7 +333,7 @@ impl LowQuery {
     fn product(&self, group: &Group, k: usize, half: usize) -> [Lane; 2] {
         let (mut re, mut im) = ([0_i32; LANES], [0_i32; LANES]);
         for (query, group) in self.splat.iter().zip(&group.coefficients) {
-            let ([q_re, q_im], [d_re, d_im]) = (&query[k], &group[k][half]);
+            let ([q_re, q_im], [d_re, d_im]) = (&query[k % HARMONICS], &group[k % HARMONICS][half % 2]);
             for lane in 0..LANES {
                 let [qr, qi, dr, di] = [q_re[lane], q_im[lane], d_re[lane], d_im[lane]].map(i32::from);
                 re[lane] += qr * dr + qi * di;
@@ -355,14 +355,14 @@ impl LowQuery {
         // (pi / 64)^2 / 2 in Q18, rounded up, and 8 for the unit of the candidates' slopes.
         const CURVATURE: i64 = 316 * 8;
         let over = |own: &[i64; CHANNELS], theirs: &[[u16; super::GROUP]; CHANNELS]| -> i64 {
-            own.iter().zip(theirs).map(|(a, b)| a * i64::from(b[place])).sum()
+            own.iter().zip(theirs).map(|(a, b)| a * i64::from(b[place % super::GROUP])).sum()
         };
         over(&self.residual, &group.residual) + ((over(&self.slope, &group.slope) * CURVATURE) >> 18) + 1
     }
 
     /// Binary exponent of the unit of products in that of correlations.
     fn exponent(&self, group: &Group, place: usize) -> i32 {
-        self.exponent - i32::from(group.shift[place]) - 20
+        self.exponent - i32::from(group.shift[place % super::GROUP]) - 20
     }
 
     /// The bound of a candidate whose low part is at most `low`, in units of the products, as score bits.
@@ -373,7 +373,7 @@ impl LowQuery {
         let numerator = (low + self.rest(group, place)) * self.factor() + offset;
         // Numerators stay below 2^50. A denominator of 31 bits, rounded down, makes the bound larger.
         let down = (u64::BITS - norms.leading_zeros()).saturating_sub(31);
-        let denominator = (norms >> down).max(1).cast_signed();
+        let denominator = i64::from((norms >> down) as u32).max(1);
         let up = 30 - down.cast_signed();
         let scaled = if up >= 0 { numerator.saturating_mul(1 << up) } else { (numerator >> -up) + 1 };
         let one = i64::from(Score::ONE.to_bits());
@@ -401,8 +401,9 @@ impl LowQuery {
     fn sizes(&self, group: &Group, place: usize) -> Sizes {
         let (mut norm, mut offset) = (0_i64, 0_i64);
         for (channel, weight) in self.weights.iter().enumerate() {
+            let of_place = place % super::GROUP;
             let (sum, square) =
-                (i64::from(group.sums[channel][place]), i64::from(group.squares[channel][place]));
+                (i64::from(group.sums[channel][of_place]), i64::from(group.squares[channel][of_place]));
             norm += weight
                 * match self.similarity {
                     Similarity::Plain => square,

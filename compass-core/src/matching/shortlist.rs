@@ -133,10 +133,7 @@ fn insert(ranked: &mut [(i32, u32)], used: usize, entry: (i32, u32)) -> usize {
     }
     let used = (used + 1).min(ranked.len());
     if let Some(tail) = ranked.get_mut(place..used) {
-        tail.rotate_right(1);
-        if let Some(first) = tail.first_mut() {
-            *first = entry;
-        }
+        tail.iter_mut().fold(entry, |moved, slot| core::mem::replace(slot, moved));
     }
     used
 }

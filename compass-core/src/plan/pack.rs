@@ -86,7 +86,7 @@ fn write_tiles(
 ) -> u32 {
     let tiles_x = walls.width().div_ceil(TILE);
     let mut next = 0_u32;
-    for ((ty, first), entries) in (0..).zip(rows).zip(tiles.chunks_exact_mut(tiles_x as usize)) {
+    for ((ty, first), entries) in (0..).zip(rows).zip(tiles.chunks_exact_mut(tiles_x.max(1) as usize)) {
         let row_first = next;
         *first = row_first.to_le_bytes();
         for (tx, entry) in (0..).zip(entries) {

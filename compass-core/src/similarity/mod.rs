@@ -78,8 +78,8 @@ fn norms(a: u64, b: u64) -> Option<(u32, i32)> {
         ((v << (2 * half)).isqrt(), half.cast_signed())
     };
     let ((a, a_half), (b, b_half)) = (root(a), root(b));
-    // The product lies in [2^62, 2^64).
-    Some((((a * b) >> 32) as u32, a_half + b_half - 2))
+    // The product lies in [2^62, 2^64); the compiler only sees that it is positive.
+    Some(((((a * b) >> 32) as u32).max(1), a_half + b_half - 2))
 }
 
 /// The cosine of many numerators over the same norms: one division for all of them.

@@ -14,6 +14,7 @@
 
 use crate::likelihood::{Mode, Sheet, Table, refine};
 use crate::num::{Metres, Point, Turn};
+use crate::order;
 use crate::scan::Hit;
 use core::f32::consts::PI;
 use heapless::Vec;
@@ -157,7 +158,7 @@ impl Track {
         for hypothesis in &mut self.hypotheses {
             hypothesis.weight -= best.saturating_sub(hypothesis.mode.score).min(LOSS);
         }
-        self.hypotheses.sort_unstable_by_key(|h| (core::cmp::Reverse(h.weight), h.mode.order()));
+        order::sort_by_key(&mut self.hypotheses, |h| (core::cmp::Reverse(h.weight), h.mode.order()));
         let Some(top) = self.hypotheses.first().map(|h| h.weight) else { return };
         let kept = self.hypotheses.iter().take_while(|h| top - h.weight <= NEGLIGIBLE).count();
         self.hypotheses.truncate(kept);
@@ -180,7 +181,7 @@ impl Past<'_> {
     fn ahead(&self, hypothesis: &Hypothesis) -> impl Iterator<Item = Mode> + use<> {
         let Hypothesis { mode, rate, .. } = *hypothesis;
         let moved = |[x, y]: [f32; 2], turn: f32| {
-            let [x, y] = [x, y].map(|metres| Metres::saturating_from_num(finite(metres)));
+            let [x, y] = [x, y].map(metres);
             let at = Point::new(mode.at.x.saturating_add(x), mode.at.y.saturating_add(y));
             Mode { at, heading: mode.heading + turn_of(turn), ..mode }
         };
@@ -301,6 +302,12 @@ fn turn_of(radians: f32) -> Turn {
     let rest = turns - libm::floorf(turns);
     // The conversion saturates just below the whole turn.
     Turn::from_bits((rest * 4_294_967_296.0) as u32)
+}
+
+/// A length in fixed point, saturated.
+fn metres(length: f32) -> Metres {
+    // To the nearest, as conversions of `fixed`, which panic where a length is not a number.
+    Metres::from_bits(libm::rintf(finite(length) * 4_294_967_296.0) as i64)
 }
 
 fn finite(value: f32) -> f32 {

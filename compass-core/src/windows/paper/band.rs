@@ -138,7 +138,7 @@ fn average(rows: &mut [Row], reach: usize) {
         }
         let count = (y + reach + 1).min(height) - y.saturating_sub(reach);
         if let Some(row) = rows.get_mut(y) {
-            row.score = (sum / count as u32) as u16;
+            row.score = (sum / count.max(1) as u32) as u16;
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Step 2 and 3: upright segments of the band, clustered to edges.
 
 use super::Parameters;
+use crate::order;
 use crate::segments::Segment;
 
 /// Largest coordinate of a segment that is looked at, px.
@@ -79,7 +80,7 @@ pub(super) fn cluster(
     }
     let truncated = upright.next().is_some();
     let by_place = |edge: &Edge| (edge.x, edge.y0, edge.y1, edge.length);
-    edges.get_mut(..taken).unwrap_or(&mut []).sort_unstable_by_key(by_place);
+    order::sort_by_key(edges.get_mut(..taken).unwrap_or_default(), by_place);
 
     let gap = 16 * u32::from(parameters.gap);
     let mut count = 0;
@@ -94,6 +95,6 @@ pub(super) fn cluster(
             count += 1;
         }
     }
-    edges.get_mut(..count).unwrap_or(&mut []).sort_unstable_by_key(by_place);
+    order::sort_by_key(edges.get_mut(..count).unwrap_or_default(), by_place);
     (count, truncated)
 }

@@ -3,6 +3,7 @@
 use super::band::Lens;
 use super::sample::grid;
 use super::{ImageWindow, Parameters, Proposal, Rejection};
+use crate::order;
 use crate::raster::{GrayImage, RgbImage, is_red};
 use core::cmp::Reverse;
 
@@ -29,7 +30,7 @@ pub(super) fn reject(
 
 /// Sorts the proposals by falling score and marks those that overlap one before them.
 pub(super) fn suppress(parameters: &Parameters, proposals: &mut [Proposal]) {
-    proposals.sort_unstable_by_key(|p| {
+    order::sort_by_key(proposals, |p| {
         let w = &p.window;
         (p.rejection.is_some(), Reverse(w.score), w.x0, w.y0, w.x1, w.y1)
     });
