@@ -3,6 +3,7 @@
 use super::search::{Mode, Sheet};
 use crate::matching::MAX_ALTERNATIVES;
 use crate::num::{Metres, Turn};
+use crate::order;
 
 /// Alternatives are at least this far apart...
 const APART: Metres = Metres::ONE;
@@ -42,7 +43,7 @@ impl Answer {
 #[must_use]
 pub fn answer(sheets: &[Sheet<'_>], modes: &mut [Mode]) -> Answer {
     let floor = |mode: &Mode| sheets.get(usize::from(mode.sheet)).map(|sheet| sheet.floor);
-    modes.sort_unstable_by_key(Mode::order);
+    order::sort_by_key(modes, Mode::order);
     let mut kept: heapless::Vec<Mode, MAX_ALTERNATIVES> = heapless::Vec::new();
     for mode in modes.iter().filter(|mode| floor(mode).is_some() && mode.score > i32::MIN) {
         let is_near = |other: &Mode| floor(other) == floor(mode) && mode.is_near(other, APART, APART_TURN);

@@ -157,7 +157,7 @@ impl Climb<'_> {
     fn scores<const HEADINGS: usize>(&self, at: Point, heading: Turn) -> Option<[i32; HEADINGS]> {
         let mut scores = [0; HEADINGS];
         let rays = self.plan.rays(at, heading, self.stride).ok()?;
-        for (bin, (steps, hit)) in (0..BINS).step_by(self.stride).zip(rays) {
+        for (bin, (steps, hit)) in (0..BINS).step_by(self.stride.max(1)).zip(rays) {
             let between = self.table.between(steps, hit);
             // The more the robot looks to the left, the farther right it sees the ray.
             let mut from = (bin + HEADINGS / 2) % BINS;

@@ -118,14 +118,17 @@ impl<const N: usize> Rows<N> {
     /// Per run of equal planes the two rows whose difference is its sum.
     #[inline]
     fn runs<'a>(&'a self, planes: &'a [u8; N]) -> impl Iterator<Item = Run<'a, N>> {
-        let mut at = N;
-        planes.chunk_by(|a, b| a == b).map(move |run| {
-            let plane = usize::from(run.first().copied().unwrap_or(OPEN_PLANE).min(OPEN_PLANE));
-            let row = self.sums.get(plane).map(|copies| copies.as_flattened()).unwrap_or_default();
+        let (mut at, mut rest) = (N, planes.as_slice());
+        core::iter::from_fn(move || {
+            let plane = *rest.first()?;
+            let length = rest.iter().position(|other| *other != plane).unwrap_or(rest.len());
+            rest = rest.get(length..).unwrap_or_default();
+            let row = self.sums.get(usize::from(plane.min(OPEN_PLANE)));
+            let row = row.map(|copies| copies.as_flattened()).unwrap_or_default();
             let part = |from: usize| row.get(from..).and_then(<[u16]>::first_chunk).unwrap_or(&[0; N]);
             let from = at;
-            at = at.saturating_sub(run.len());
-            Run { plus: part(from), minus: part(at) }
+            at = at.saturating_sub(length);
+            Some(Run { plus: part(from), minus: part(at) })
         })
     }
 }

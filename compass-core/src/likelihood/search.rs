@@ -2,6 +2,7 @@
 
 use super::rows::Rows;
 use crate::num::{BINS, Metres, Point, Turn};
+use crate::order;
 use crate::plan::Plan;
 use crate::site_map::SiteMap;
 use core::cmp::Reverse;
@@ -136,42 +137,26 @@ impl Pool<'_> {
             *slot = mode;
             self.used += 1;
             if self.used == self.slots.len() {
-                // Sorted, worst first, is a heap.
-                self.slots.sort_unstable_by_key(|mode| Reverse(mode.order()));
+                order::heapify(self.slots, &Mode::order);
             }
         } else if let Some(worst) = self.slots.first_mut()
             && mode.order() < worst.order()
         {
             *worst = mode;
-            self.sink();
-        }
-    }
-
-    /// Moves the first down to where no worse one is below it.
-    fn sink(&mut self) {
-        let mut at = 0;
-        loop {
-            let order = |slot: usize| self.slots.get(slot).map(Mode::order);
-            // None, beyond the end, is less than any.
-            let worse = if order(2 * at + 2) > order(2 * at + 1) { 2 * at + 2 } else { 2 * at + 1 };
-            if order(worse) <= order(at) {
-                return;
-            }
-            self.slots.swap(at, worse);
-            at = worse;
+            order::sink(self.slots, 0, &Mode::order);
         }
     }
 
     /// Moves those that lie apart to the front, best first, and returns their number.
     fn thin(self) -> usize {
         let modes = self.slots.get_mut(..self.used).unwrap_or_default();
-        modes.sort_unstable_by_key(Mode::order);
+        order::sort_by_key(modes, Mode::order);
         let mut kept = 0;
         for next in 0..modes.len() {
             let (Some(before), Some(mode)) = (modes.get(..kept), modes.get(next)) else { break };
             let is_near = |other: &Mode| other.sheet == mode.sheet && mode.is_near(other, APART, APART_TURN);
             if !before.iter().any(is_near) {
-                modes.swap(kept, next);
+                order::swap(modes, kept, next);
                 kept += 1;
             }
         }
