@@ -87,7 +87,7 @@ impl<'a, 'r> Surveyor<'a, 'r> {
         ranges.known = support::known(edges);
         support::normalize(edges);
         support::gather(edges, support);
-        let (floor, ceiling) = support.split_at(RUNGS * BINS);
+        let Some((floor, ceiling)) = support.split_at_checked(RUNGS * BINS) else { return };
         let bounds = height_m.map_or(evidence::CEILINGS, evidence::ceilings);
         ranges.ceiling = evidence::ceiling(floor, ceiling, bounds);
         evidence::fill(ranges, floor, ceiling);

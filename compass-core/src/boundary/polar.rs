@@ -120,7 +120,7 @@ fn mean(taps: i32, look: impl Fn(i32) -> u8) -> u8 {
         }
         sum += level;
     }
-    (sum / taps) as u8
+    (sum / taps.max(1)) as u8
 }
 
 /// Adds the edges of one look to those of its bin; of two looks the mean counts.

@@ -2,6 +2,7 @@
 
 use super::cell::{MAGNITUDE_SHIFT, VERTICAL, strength};
 use super::draw::Drawing;
+use super::gradient::triples;
 use super::walk::Position;
 
 /// Anchors lie on every other row and column.
@@ -42,20 +43,17 @@ pub(super) fn mark(cells: &[u16], width: usize, threshold: u16, anchors: &mut [u
 #[inline(always)]
 fn mark_band([above, row, below]: [&[u16]; 3], threshold: u16) -> u32 {
     let mut marked = [0_u16; BAND];
-    let n = row.len().saturating_sub(2).min(BAND);
-    if above.len() < n + 2 || row.len() < n + 2 || below.len() < n + 2 {
-        return 0;
-    }
-    let (up, down) = (&above[1..=n], &below[1..=n]);
-    let (left, here, right) = (&row[..n], &row[1..=n], &row[2..n + 2]);
     // Cells stay below 2^15, so that differences fit.
     let signed = |cell: u16| strength(cell) as i16;
     let threshold = (threshold << MAGNITUDE_SHIFT).clamp(1, i16::MAX as u16) as i16;
-    for (i, (marked, bit)) in marked[..n].iter_mut().zip(&BITS).enumerate() {
-        let across = signed(left[i]).max(signed(right[i]));
-        let along = signed(up[i]).max(signed(down[i]));
-        let rival = if here[i] & VERTICAL != 0 { across } else { along };
-        *marked = if signed(here[i]) - rival >= threshold { *bit } else { 0 };
+    let rows = triples(above).zip(triples(row)).zip(triples(below));
+    for ((marked, bit), (([_, up, _], [left, here, right]), [_, down, _])) in
+        marked.iter_mut().zip(&BITS).zip(rows)
+    {
+        let across = signed(left).max(signed(right));
+        let along = signed(up).max(signed(down));
+        let rival = if here & VERTICAL != 0 { across } else { along };
+        *marked = if signed(here) - rival >= threshold { *bit } else { 0 };
     }
     let (low, high) = marked.split_at(BAND / 2);
     let gather = |half: &[u16]| u32::from(half.iter().fold(0, |word, bit| word | bit));

@@ -118,8 +118,9 @@ impl<'a> Trail<'a> {
 
     /// Forgets all but the last `keep` pixels.
     fn keep_last(&mut self, keep: usize) {
-        let start = self.len.saturating_sub(keep);
-        self.pixels.copy_within(start..self.len, 0);
+        let pixels = self.pixels.get_mut(..self.len).unwrap_or_default();
+        let start = pixels.len().saturating_sub(keep);
+        pixels.copy_within(start.., 0);
         self.len -= start;
     }
 }

@@ -8,25 +8,26 @@ use crate::raster::BitMask;
 /// Magnitudes below `threshold` become 0, and so do the first and the last cell: walks end there.
 #[inline(always)]
 pub(super) fn gradient_row([above, row, below]: [&[u8]; 3], threshold: u16, cells: &mut [u16]) {
-    let Some(n) = cells.len().checked_sub(2) else { return cells.fill(0) };
-    if above.len() < n + 2 || row.len() < n + 2 || below.len() < n + 2 {
-        return;
-    }
-    let (a0, a1, a2) = (&above[..n], &above[1..=n], &above[2..n + 2]);
-    let (b0, b2) = (&row[..n], &row[2..n + 2]);
-    let (c0, c1, c2) = (&below[..n], &below[1..=n], &below[2..n + 2]);
-    for (i, cell) in cells[1..=n].iter_mut().enumerate() {
-        let at = |r: &[u8]| i16::from(r[i]);
-        let (falling, rising) = (at(c2) - at(a0), at(a2) - at(c0));
-        let dx = (falling + rising + 2 * (at(b2) - at(b0))).unsigned_abs();
-        let dy = (falling - rising + 2 * (at(c1) - at(a1))).unsigned_abs();
+    let [first, cells @ .., last] = cells else { return cells.fill(0) };
+    let rows = triples(above).zip(triples(row)).zip(triples(below));
+    for (cell, ((above, row), below)) in cells.iter_mut().zip(rows) {
+        let [[a0, a1, a2], [b0, _, b2], [c0, c1, c2]] = [above, row, below].map(|row| row.map(i16::from));
+        let (falling, rising) = (c2 - a0, a2 - c0);
+        let dx = (falling + rising + 2 * (b2 - b0)).unsigned_abs();
+        let dy = (falling - rising + 2 * (c1 - a1)).unsigned_abs();
         let magnitude = dx + dy;
         let kept = if magnitude < threshold { 0 } else { magnitude };
         let axis = if dx >= dy { VERTICAL } else { 0 };
         *cell = kept << MAGNITUDE_SHIFT | axis;
     }
-    cells[0] = 0;
-    cells[n + 1] = 0;
+    (*first, *last) = (0, 0);
+}
+
+/// Each cell of a row but the first and the last, between its neighbours.
+#[inline(always)]
+pub(super) fn triples<T: Copy>(row: &[T]) -> impl Iterator<Item = [T; 3]> {
+    let from = |start: usize| row.get(start..).unwrap_or_default();
+    row.iter().zip(from(1)).zip(from(2)).map(|((a, b), c)| [*a, *b, *c])
 }
 
 /// Clears the cells of row `y` outside `mask`, without branches: eight cells make a vector.

@@ -189,7 +189,7 @@ fn scored(planes: &Planes<'_>, start: usize, end: usize, top: usize, bottom: usi
     let (flank_rank, flank_texture) = flanks(planes, start..end, &(top..bottom))?;
     let (lintel, lintel_row) = strongest_row(planes, start..end, above(planes, top, height));
     let (sill, sill_row) = strongest_row(planes, start..end, below(planes, bottom, height));
-    let borders = (lintel + sill) as i32 * NAT / (2 * 255 * sampled(start..end).len() as i32);
+    let borders = (lintel + sill) as i32 * NAT / (2 * 255 * sampled(start..end).len() as i32).max(1);
     let per_level = |difference: i32| difference * NAT / (255 * 16);
     let octaves = log2_ratio(width as u32, height as u32);
     let wide = (octaves + NAT * 4 / 5).max(0);
@@ -219,7 +219,7 @@ fn flanks(
 ) -> Option<(i32, i32)> {
     let per_degree = planes.resolution.per_degree();
     let [least, most] = FLANK_EIGHTHS.map(|eighths| (eighths * per_degree).div_ceil(8));
-    let width = columns.len().div_ceil(2).clamp(least, most);
+    let width = columns.len().div_ceil(2).max(least).min(most);
     // One cell of gap to the edge.
     let left = columns.start + planes.resolution.columns() - 1 - width;
     let right = columns.end + 1;

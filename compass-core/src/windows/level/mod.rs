@@ -330,7 +330,7 @@ pub fn image_box(window: &Window, rig: &Rig, level: &Level, resolution: Resoluti
         let bearing = level.bearing(along(right, left, u), along(sill, lintel, v));
         let seen = view.rotation.tr_mul(&(bearing * NOMINAL_RANGE_M - view.position));
         let Some(Pixel { x, y }) = view.camera.project(&seen) else { continue };
-        let (x, y) = (x.clamp(0.0, most_x), y.clamp(0.0, most_y));
+        let (x, y) = (x.max(0.0).min(most_x), y.max(0.0).min(most_y));
         let [x0, y0, x1, y1] = extent.unwrap_or([x, y, x, y]);
         extent = Some([x0.min(x), y0.min(y), x1.max(x), y1.max(y)]);
     }

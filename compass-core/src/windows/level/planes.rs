@@ -82,12 +82,12 @@ fn vertical_gradient(gray: &[u8], texture: &mut [u8], rows: usize) {
 
 /// The middle rank of every gray level among those counted, 1 to 255; level 0 stays 0.
 fn ranks(counts: &[u32; 256]) -> [u8; 256] {
-    let total = counts.iter().sum::<u32>().max(1);
+    let twice = (2 * counts.iter().sum::<u32>()).max(1);
     let mut below = 0;
     let mut ranks = [0; 256];
     for (rank, count) in ranks.iter_mut().zip(counts).skip(1) {
         // Fewer than 2^20 cells: no overflow.
-        *rank = (1 + 254 * (2 * below + count) / (2 * total)) as u8;
+        *rank = (1 + 254 * (2 * below + count) / twice) as u8;
         below += count;
     }
     ranks

@@ -24,16 +24,24 @@ const GRID_ROWS: usize = ((TOP_DEG - BOTTOM_DEG) as usize).div_ceil(GRID_DEG) + 
 /// Fraction bits of a position in the image.
 pub(crate) const SUBPIXEL: u32 = 8;
 
-/// Size of a ring's cells: their number in a degree, 1 to 4.
+/// Size of a ring's cells: their number in a degree, 2 or 4.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Resolution(u8);
+pub struct Resolution(PerDegree);
+
+/// The numbers there can be: whatever is divided by one of them is not divided by 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+enum PerDegree {
+    Two = 2,
+    Four = 4,
+}
 
 impl Resolution {
     /// Quarters of a degree: for lenses of 4 pixels and more a degree.
-    pub const FINE: Self = Self(4);
+    pub const FINE: Self = Self(PerDegree::Four);
     /// Halves of a degree: for lenses of 2 pixels a degree.
-    pub const COARSE: Self = Self(2);
+    pub const COARSE: Self = Self(PerDegree::Two);
 
     /// The resolution that does not ask more of a camera than its image holds.
     #[must_use]
