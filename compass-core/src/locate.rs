@@ -3,9 +3,9 @@
 use crate::boundary::{Ranges, height_m};
 use crate::likelihood::{Answer, Mode, Rows, Sheet, Table, answer, approach, refine, search, settle};
 use crate::num::{Metres, Turn};
+use crate::order;
 use crate::sight;
 use crate::windows::level::Sighting;
-use core::cmp::Reverse;
 use core::ops::RangeInclusive;
 use heapless::Vec;
 
@@ -93,15 +93,18 @@ pub fn locate<const N: usize>(
         pool.iter().take(count.min(wanted)).for_each(|mode| offer(&mut found, wanted, (*mode, height)));
     }
     evidence.refine(&heights, sheets, &mut found, approach);
-    found.sort_unstable_by_key(|(mode, _)| Reverse(mode.score));
-    let best = found.chunks_mut(SETTLED).next().unwrap_or_default();
-    evidence.refine(&heights, sheets, best, settle);
-    let mut modes: Vec<Mode, { MAX_MODES + 1 }> = found.iter().map(|(mode, _)| *mode).collect();
+    order::sort_by_key(&mut found, |(mode, height)| (mode.order(), *height));
+    let settled = found.len().min(SETTLED);
+    evidence.refine(&heights, sheets, found.get_mut(..settled).unwrap_or_default(), settle);
+    // Never full: it has one place more.
+    let mut modes: Vec<Mode, { MAX_MODES + 1 }> = Vec::new();
+    for (mode, _) in &found {
+        let _ = modes.push(*mode);
+    }
     let Some(best) = found.into_iter().max_by_key(|(mode, _)| mode.score) else {
         return Fix { answer: answer(sheets, &mut []), height: height.unwrap_or(0) };
     };
     let best = evidence.polish(&heights, sheets, best);
-    // Never full: it has one place more.
     let _ = modes.push(best.0);
     Fix { answer: answer(sheets, &mut modes), height: best.1 }
 }
