@@ -4,6 +4,8 @@
 #   arm_ready TARGET          whether TARGET can be built and run here; the first call may install things
 #   ${ARM_WHY[TARGET]}        why not
 #   arm_cargo TARGET ARGS...  cargo ARGS for TARGET, whichever toolchain it is
+#   arm_rustc TARGET ARGS...  its compiler
+#   arm_variable TARGET NAME  the environment variable by which cargo takes NAME for TARGET
 #   arm_emulator TARGET       the emulator's path, for targets that run a Linux program
 #
 # Two ways, tried in this order; COMPASS_ARM=rustup or COMPASS_ARM=debian allows only one.
@@ -35,29 +37,39 @@ arm_cargo() {
   local target=$1
   shift
   arm_ready "$target" || return
-  local variable=CARGO_TARGET_${target^^}
-  variable=${variable//-/_}
   local settings=(CARGO_BUILD_TARGET="$target" CARGO_TARGET_DIR="$(arm_directory)") cargo=cargo
   case $target in
-    *-linux-*) settings+=("${variable}_RUNNER=$(arm_emulator "$target")") ;;
+    *-linux-*) settings+=("$(arm_variable "$target" RUNNER)=$(arm_emulator "$target")") ;;
   esac
   if [[ ${ARM_WAY[$target]} == debian ]]; then
     cargo=/usr/bin/cargo
     settings+=(RUSTC=/usr/bin/rustc)
     case $target in
       *-linux-*)
-        settings+=("${variable}_LINKER=$(arm_linker "$target")")
+        settings+=("$(arm_variable "$target" LINKER)=$(arm_linker "$target")")
         if [[ -d $(arm_sysroot "$target") ]]; then
-          settings+=("${variable}_RUSTFLAGS=--sysroot $(arm_sysroot "$target")")
+          settings+=("$(arm_variable "$target" RUSTFLAGS)=--sysroot $(arm_sysroot "$target")")
         else
           settings+=(RUSTC_BOOTSTRAP=1 "CARGO_UNSTABLE_BUILD_STD=std,panic_abort")
         fi
         ;;
-      *) settings+=("${variable}_LINKER=ld.lld" RUSTC_BOOTSTRAP=1 CARGO_UNSTABLE_BUILD_STD=core) ;;
+      *) settings+=("$(arm_variable "$target" LINKER)=ld.lld" RUSTC_BOOTSTRAP=1 CARGO_UNSTABLE_BUILD_STD=core) ;;
     esac
   fi
   # Flags meant for the host must not reach the target, and would hide those of the target's own table.
   env -u RUSTFLAGS -u CARGO_ENCODED_RUSTFLAGS "${settings[@]}" "$cargo" "$@"
+}
+
+arm_rustc() {
+  local target=$1
+  shift
+  arm_ready "$target" || return
+  if [[ ${ARM_WAY[$target]} == debian ]]; then /usr/bin/rustc "$@"; else rustc "$@"; fi
+}
+
+arm_variable() {
+  local name=CARGO_TARGET_${1^^}_$2
+  echo "${name//[-.]/_}"
 }
 
 # One target directory for all, so that `core` and the dependencies are built once.

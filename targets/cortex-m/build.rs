@@ -11,6 +11,7 @@ fn main() {
     if let Err(error) = fs::copy(&map, out.join("memory.x")) {
         println!("cargo::error=no memory map {} for COMPASS_BOARD={board}: {error}", map.display());
     }
+    println!("cargo::rustc-env=COMPASS_BOARD={board}");
     println!("cargo::rustc-link-search={}", out.display());
     println!("cargo::rustc-link-arg-bins=-Tlink.x");
     println!("cargo::rustc-link-arg-bins=--nmagic");

@@ -74,7 +74,7 @@ impl Mode {
 ///
 /// # Cost
 /// N times twice the number of runs of equal planes per candidate: about 107 at N = 360 and 61 at
-/// N = 90 on an office floor.
+/// N = 90 on an office floor, and N at most.
 #[inline]
 pub fn search<const N: usize>(
     rows: &Rows<N>,

@@ -89,6 +89,9 @@ struct LowQuery {
 /// `signature`, candidates farther from it than the distance beside it are left out. For a masked query
 /// bounds are estimates: the answer is then not [exhaustive](Answer::exhaustive). `None` when `bounds` is
 /// too short or the index is another map's.
+///
+/// # Cost
+/// A bound per candidate, and a few scored at all headings: all of them at worst.
 pub fn exhaustive(
     index: &Index<'_>,
     map: &SiteMap<'_>,

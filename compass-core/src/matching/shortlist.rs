@@ -95,6 +95,9 @@ pub(super) fn local_peaks(scores: &[crate::num::Score; BINS]) -> impl Iterator<I
 /// `ranked` holds the shortlist (48 is plenty), `pool` the matches to choose alternatives from (four
 /// per place of the shortlist). With `signature`, candidates farther from it than the distance beside it are
 /// left out ([`super::nearest_signatures`]).
+///
+/// # Cost
+/// A sketch compared per candidate, and `ranked.len()` candidates scored at all headings.
 pub fn shortlist(
     map: &SiteMap<'_>,
     query: &Query,

@@ -112,7 +112,7 @@ impl Track {
     ///
     /// # Cost
     /// A [refinement](refine()) of each hypothesis, of which there are few once the belief has settled; without
-    /// odometry two.
+    /// odometry two: at most twice [`MAX_HYPOTHESES`]. What is offered is compared with all that are there.
     pub fn step(&mut self, sheets: &[Sheet<'_>], frame: &Frame<'_>) -> Option<Estimate> {
         core::mem::swap(&mut self.hypotheses, &mut self.former);
         self.hypotheses.clear();

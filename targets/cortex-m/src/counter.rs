@@ -1,27 +1,64 @@
 //! Executed instructions, counted exactly.
 //!
-//! Under QEMU's `-icount shift=7` each instruction advances the emulated clock by 2^7 ns. The 25 MHz
-//! timer of the MPS2 boards ticks every 40 ns, 3.2 times an instruction, so rounding its reading to
+//! Under QEMU's `-icount shift=7` each instruction advances the emulated clock by 2^7 ns. A timer of the
+//! board ticks every 31 to 50 ns, more than twice an instruction, so rounding its reading to
 //! whole instructions is exact. The 100 Hz counter of the same boards supplies the bits above the
-//! timer's 32. Cycles are not modelled: these figures say nothing about milliseconds.
+//! timer's. Cycles are not modelled: these figures say nothing about milliseconds.
 //!
-//! References: Arm DUI 0479 (CMSDK timer), Arm DAI 0400 (MPS2 FPGA system registers).
+//! References: Arm DUI 0479 (CMSDK timer), Arm DAI 0400, 0505 and 0547 (FPGA system registers of the boards).
 
 use core::arch::asm;
 
-/// CMSDK TIMER0: counts down at 25 MHz.
-const TIMER0_CTRL: *mut u32 = 0x4000_0000 as *mut u32;
-const TIMER0_VALUE: *mut u32 = 0x4000_0004 as *mut u32;
-const TIMER0_RELOAD: *mut u32 = 0x4000_0008 as *mut u32;
-/// FPGAIO CLK100HZ: counts up at 100 Hz.
-const CLK100HZ: *const u32 = 0x4002_8014 as *const u32;
+/// The clocks of a board.
+struct Clocks {
+    /// A timer that counts down.
+    control: usize,
+    /// What starts it.
+    enable: u32,
+    reload: usize,
+    value: usize,
+    bits: u32,
+    /// Picoseconds per tick.
+    tick_ps: u64,
+    /// FPGAIO CLK100HZ: counts up at 100 Hz.
+    clk100hz: usize,
+}
 
-/// Timer ticks per tick of the 100 Hz counter.
-const TICKS_PER_CENTISECOND: u64 = 250_000;
-/// Nanoseconds per timer tick.
-const TICK_NS: u64 = 40;
-/// The emulator's `-icount shift`.
-const SHIFT: u32 = 7;
+/// Those of the board that the image is for. On secure boards peripherals are seen at their secure addresses.
+const CLOCKS: Clocks = match env!("COMPASS_BOARD").as_bytes() {
+    b"an505" => Clocks { tick_ps: 50_000, clk100hz: 0x5030_2014, ..cmsdk_timer(0x5000_0000) },
+    // SysTick; the timers of this board have another interface.
+    b"an547" => Clocks {
+        control: 0xe000_e010,
+        enable: 0b101,
+        reload: 0xe000_e014,
+        value: 0xe000_e018,
+        bits: 24,
+        tick_ps: 31_250,
+        clk100hz: 0x5930_2014,
+    },
+    _ => cmsdk_timer(0x4000_0000),
+};
+
+/// CMSDK TIMER0 of the older boards.
+const fn cmsdk_timer(base: usize) -> Clocks {
+    Clocks {
+        control: base,
+        enable: 1,
+        reload: base + 8,
+        value: base + 4,
+        bits: 32,
+        tick_ps: 40_000,
+        clk100hz: 0x4002_8014,
+    }
+}
+
+/// The last reading before the timer turns over.
+const LAST: u64 = (1 << CLOCKS.bits) - 1;
+/// Picoseconds per tick of the 100 Hz counter.
+const CENTISECOND_PS: u64 = 10_000_000_000;
+/// Picoseconds per instruction: the emulator's `-icount shift=7`.
+const INSTRUCTION_PS: u64 = 1000 << 7;
 
 /// A timer that proved to count instructions.
 #[derive(Debug)]
@@ -42,15 +79,16 @@ impl Counter {
         const EXPECTED: u64 = 2 * TURNS as u64 + 4;
         // SAFETY: the registers of a timer nothing else uses.
         unsafe {
-            TIMER0_RELOAD.write_volatile(u32::MAX);
-            TIMER0_VALUE.write_volatile(u32::MAX);
-            TIMER0_CTRL.write_volatile(1);
+            (CLOCKS.reload as *mut u32).write_volatile(LAST as u32);
+            (CLOCKS.value as *mut u32).write_volatile(LAST as u32);
+            (CLOCKS.control as *mut u32).write_volatile(CLOCKS.enable);
         }
         let counter = Self { overhead: raw(|| ()).1 };
         let ((), counted) = counter.count(|| spin(TURNS));
         assert!(
             counted.abs_diff(EXPECTED) <= 8,
-            "{EXPECTED} instructions count as {counted}: run with -icount shift=7 on mps2-an500 or mps2-an386"
+            "{EXPECTED} instructions count as {counted}: run with -icount shift=7 on {}",
+            env!("COMPASS_BOARD")
         );
         counter
     }
@@ -66,17 +104,18 @@ impl Counter {
 #[inline(never)]
 fn raw<T>(f: impl FnOnce() -> T) -> (T, u64) {
     // SAFETY: reading these registers has no side effect.
-    let centiseconds = || unsafe { CLK100HZ.read_volatile() };
-    let ticks = || !unsafe { TIMER0_VALUE.read_volatile() };
+    let read = |register: usize| unsafe { (register as *const u32).read_volatile() };
+    let centiseconds = || read(CLOCKS.clk100hz);
+    let ticks = || LAST - u64::from(read(CLOCKS.value));
     let (coarse_start, fine_start) = (centiseconds(), ticks());
     let value = f();
     let (fine_end, coarse_end) = (ticks(), centiseconds());
-    let fine = u64::from(fine_end.wrapping_sub(fine_start));
-    let coarse = u64::from(coarse_end.wrapping_sub(coarse_start)) * TICKS_PER_CENTISECOND;
+    let fine = fine_end.wrapping_sub(fine_start) & LAST;
+    let coarse = u64::from(coarse_end.wrapping_sub(coarse_start)) * CENTISECOND_PS / CLOCKS.tick_ps;
     // The coarse count is off by less than one of its ticks, far below half a turn of the timer.
-    let wraps = (coarse.saturating_sub(fine) + (1 << 31)) >> 32;
-    let nanoseconds = ((wraps << 32) + fine) * TICK_NS;
-    (value, (nanoseconds + (1 << (SHIFT - 1))) >> SHIFT)
+    let turns = (coarse.saturating_sub(fine) + LAST / 2) >> CLOCKS.bits;
+    let picoseconds = ((turns << CLOCKS.bits) + fine) * CLOCKS.tick_ps;
+    (value, (picoseconds + INSTRUCTION_PS / 2) / INSTRUCTION_PS)
 }
 
 /// Two instructions a turn.

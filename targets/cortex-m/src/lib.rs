@@ -7,12 +7,15 @@
 //! |---|---|
 //! | `check NAME 0xXXXXXXXX` | checksum of a stage's output; equal on every target |
 //! | `insns NAME N` | instructions the stage executed, exact ([`counter`]) |
-//! | `stack N` | bytes of stack used at most since reset ([`stack`]) |
+//! | `stack NAME N` | bytes of stack the stage used at most ([`stack`]) |
+//! | `flash PART N` | bytes of code, and of constants without the sample ([`image`]) |
+//! | `ram PURPOSE N` | bytes of RAM |
 //!
 //! A panic or a hard fault prints its cause to standard error and ends the emulator with status 101.
 #![no_std]
 
 pub mod counter;
+pub mod image;
 pub mod stack;
 
 use core::panic::PanicInfo;

@@ -1,5 +1,7 @@
-//! Stack use since reset, by the paint that the start-up code left on unused stack.
+//! Stack use, by paint on unused stack.
 
+use core::hint::black_box;
+use cortex_m::register::msp;
 use cortex_m_rt::STACK_PAINT_VALUE;
 
 unsafe extern "C" {
@@ -7,9 +9,40 @@ unsafe extern "C" {
     static _stack_end: u32;
 }
 
-/// Bytes between the top of the stack and the deepest word that was ever overwritten.
+/// Bytes between the top of the stack and the deepest word that was ever overwritten, since reset or the last
+/// [`below`].
 #[must_use]
 pub fn high_water_mark() -> usize {
+    &raw const _stack_start as usize - deepest() as usize
+}
+
+/// Bytes left to the painter itself.
+const OWN: usize = 64;
+
+/// What `f` returns, and the most bytes of stack it took, or [`OWN`] if that is more; the frames of its callers do not
+/// count.
+pub fn below<T>(f: impl FnOnce() -> T) -> (T, usize) {
+    let here = paint();
+    let value = black_box(f)();
+    (value, here.saturating_sub(deepest() as usize))
+}
+
+/// Paints all unused stack, and returns where it begins.
+#[inline(never)]
+fn paint() -> usize {
+    let top = msp::read();
+    let mut word = (&raw const _stack_end).cast_mut();
+    while (word as usize) + OWN < top as usize {
+        // SAFETY: between the end of static memory and the stack pointer lies nothing that anybody uses; there are no
+        // interrupts that would push onto it, and volatile writes are not moved.
+        unsafe { word.write_volatile(STACK_PAINT_VALUE) };
+        word = word.wrapping_add(1);
+    }
+    top as usize
+}
+
+/// The deepest word without paint.
+fn deepest() -> *const u32 {
     let (top, limit) = (&raw const _stack_start, &raw const _stack_end);
     let mut deepest = limit;
     // SAFETY: both symbols bound the stack region, aligned to words; the words below the stack pointer
@@ -17,5 +50,5 @@ pub fn high_water_mark() -> usize {
     while deepest < top && unsafe { deepest.read_volatile() } == STACK_PAINT_VALUE {
         deepest = deepest.wrapping_add(1);
     }
-    top as usize - deepest as usize
+    deepest
 }

@@ -22,6 +22,7 @@ use compass_core::scan::Scan;
 use compass_core::similarity::{Confidence, Query, Similarity, Weights};
 use compass_core::site_map::{SiteMap, SketchQuery};
 use compass_core::spectrum::{Complex, MAX_POINTS, forward};
+use compass_core::track::{Estimate, Frame, Motion, Track};
 use core::fmt::{self, Write as _};
 use crc::{CRC_32_ISO_HDLC, Crc, Digest};
 pub use eyes::Eyes;
@@ -83,6 +84,13 @@ impl Inputs<'static> {
     };
 }
 
+/// Bytes of the sample that every image carries: plan, map and frames.
+#[must_use]
+pub fn input_bytes() -> usize {
+    let frames = eyes::FRAMES.iter().map(|(gray, red)| gray.len() + red.len());
+    SAMPLE_PLAN.len() + SAMPLE_MAP.len() + frames.sum::<usize>()
+}
+
 impl<'a> Inputs<'a> {
     fn plan(&self) -> Plan<'a> {
         Plan::new(self.plan).expect("the input is a packed plan")
@@ -118,7 +126,42 @@ pub struct Workspace {
     rows: Rows<HEADINGS>,
     modes: [Mode; MODES],
     fix: Option<Fix>,
+    track: Track,
+    estimate: Option<Estimate>,
 }
+
+/// Bytes of RAM by what they are for; a board needs those of its own use. The rest of the [`Workspace`] keeps outputs
+/// for their checksums.
+pub const RAM: [(&str, usize); 5] = [
+    ("eyes", size_of::<Eyes>()),
+    (
+        "search",
+        size_of::<Table>() + size_of::<Rows<HEADINGS>>() + size_of::<[Mode; MODES]>() + size_of::<Fix>(),
+    ),
+    ("track", size_of::<Track>()),
+    (
+        "shortlist",
+        size_of::<Scan>()
+            + size_of::<Descriptor>()
+            + size_of::<Query>()
+            + size_of::<Board>()
+            + size_of::<[(i32, u32); SHORTLIST]>()
+            + size_of::<[Match; SHORTLIST_POOL]>(),
+    ),
+    (
+        "exact",
+        size_of::<[Group; CANDIDATES.div_ceil(GROUP)]>()
+            + size_of::<Exact>()
+            + size_of::<[i32; CANDIDATES]>()
+            + size_of::<[Match; EXACT_POOL]>(),
+    ),
+];
+
+/// Bytes of RAM on the way from frames to a pose, beside the stack: eyes and search.
+pub const POSE_RAM: usize = RAM[0].1 + RAM[1].1;
+
+/// The stages on that way.
+pub const POSE: [&str; 6] = ["segments", "segments_back", "attitude", "windows", "ranges", "locate"];
 
 impl Workspace {
     /// An empty workspace, usable in a `static`.
@@ -147,6 +190,8 @@ impl Workspace {
             rows: Rows::BLANK,
             modes: [Mode::NONE; MODES],
             fix: None,
+            track: Track::new(),
+            estimate: None,
         }
     }
 }
@@ -246,6 +291,7 @@ pub const STAGES: &[Stage] = &[
         },
     },
     Stage { name: "locate", run: locate_frames, checksum: |w| checksum(fix_words(w.fix.as_ref())) },
+    Stage { name: "track", run: track_frames, checksum: |w| checksum(estimate_words(w.estimate.as_ref())) },
 ];
 
 /// The segments of a frame, bit for bit.
@@ -424,22 +470,34 @@ fn locate_frames(inputs: &Inputs<'_>, workspace: &mut Workspace) {
     *fix = Some(locate(&eyes.ranges, Some(height_rungs(CAMERA_HEIGHT_M)), sighting, &sheets, &mut work));
 }
 
+/// The belief after the frames were seen twice, a fifth of a second and a few centimetres apart by odometry.
+fn track_frames(inputs: &Inputs<'_>, workspace: &mut Workspace) {
+    let Workspace { table, fix, track, estimate, .. } = workspace;
+    let modes = fix.as_ref().map_or(&[][..], |fix| fix.answer.modes());
+    let sheets = [Sheet { map: inputs.map(), layer: 0, plan: inputs.plan(), floor: 0 }];
+    let moved = Motion { forward_m: 0.03, left_m: -0.01, turn: 0.02 };
+    *track = Track::new();
+    for (seconds, motion) in [(0.0, None), (0.2, Some(moved))] {
+        *estimate = track.step(&sheets, &Frame { table, modes, seconds, motion });
+    }
+}
+
 /// All poses with their scores, and the height.
 fn fix_words(fix: Option<&Fix>) -> impl Iterator<Item = u32> + '_ {
-    fix.into_iter().flat_map(|fix| {
-        let words = |mode: &Mode| {
-            let [x, y] = [mode.at.x, mode.at.y].map(Metres::to_bits);
-            [
-                x as u32,
-                (x >> 32) as u32,
-                y as u32,
-                (y >> 32) as u32,
-                mode.heading.to_bits(),
-                mode.score as u32,
-            ]
-        };
-        fix.answer.modes().iter().flat_map(words).chain([fix.height as u32])
+    fix.into_iter().flat_map(|fix| fix.answer.modes().iter().flat_map(mode_words).chain([fix.height as u32]))
+}
+
+/// The likeliest pose, its probability and the spread.
+fn estimate_words(estimate: Option<&Estimate>) -> impl Iterator<Item = u32> + '_ {
+    estimate.into_iter().flat_map(|estimate| {
+        let numbers = [estimate.probability, estimate.spread_m].map(f32::to_bits);
+        mode_words(&estimate.mode).into_iter().chain(numbers)
     })
+}
+
+fn mode_words(mode: &Mode) -> [u32; 6] {
+    let [x, y] = [mode.at.x, mode.at.y].map(Metres::to_bits);
+    [x as u32, (x >> 32) as u32, y as u32, (y >> 32) as u32, mode.heading.to_bits(), mode.score as u32]
 }
 
 #[cfg(test)]
@@ -523,6 +581,9 @@ mod tests {
         let (at, heading) = FRAMES_FROM;
         assert!(best.at.within(at, Metres::lit("0.4")), "{best:?}");
         assert!(best.heading.distance(heading) < Turn::from_ratio(2, 360), "{best:?}");
+        let estimate = workspace.estimate.expect("there are hypotheses");
+        assert!(estimate.mode.at.within(at, Metres::lit("0.4")), "{estimate:?}");
+        assert!(estimate.probability > fix.probability() / 2.0, "{estimate:?}");
     }
 
     #[test]

@@ -149,6 +149,10 @@ impl<'a, 'r> Finder<'a, 'r> {
     }
 
     /// Finds the windows, at most as many as `windows` holds, from left to right around the circle.
+    ///
+    /// # Cost
+    /// Passes over the cells; for each pair of at most 192 edges no more than 32 columns of the box between them and of
+    /// each of its flanks; for each column the boxes that begin or end there.
     #[inline(always)]
     pub fn finish(mut self, windows: &mut [Window]) -> Sighting {
         planes::normalize(self.buffers.gray, self.buffers.texture, self.resolution);

@@ -1,0 +1,281 @@
+//! The public entry points of `compass-core`, by module in its reading order. Displaying errors is left out: that is
+//! `core::fmt`'s.
+
+use compass_core::attitude::{self, Arc, Axes, Vertical};
+use compass_core::boundary::{self, Ranges, Surveyor};
+use compass_core::camera::{Camera, Equidistant, Eucm, KannalaBrandt, Rig, View};
+use compass_core::descriptor::{self, Descriptor};
+use compass_core::likelihood::{self, Mode, Rows, Sheet, Table};
+use compass_core::locate::{self, Fix};
+use compass_core::matching::{self, Board, Group, Index};
+use compass_core::num::{BINS, Point, Turn};
+use compass_core::plan::{self, Frame, MarchError, Plan};
+use compass_core::raster::{BitMask, GrayImage, RgbImage};
+use compass_core::scan::{Hit, Scan};
+use compass_core::segments;
+use compass_core::sight;
+use compass_core::signature::Signature;
+use compass_core::similarity::{Candidate, Confidence, Peak, Profile, Query};
+use compass_core::site::{self, Floor, Site};
+use compass_core::site_map::{
+    self, Header, Layer, LayerView, PackedScan, Record, Sink, SiteMap, Sketch, SketchQuery,
+};
+use compass_core::spectrum::{self, Correlator, Extent};
+use compass_core::track::Track;
+use compass_core::windows::level::{self, Edge, Finder, Level, Resolution, Upright, Window};
+use compass_core::windows::paper;
+
+/// Headings of the search under evidence.
+const HEADINGS: usize = 90;
+
+/// The address of a function of any signature.
+pub(crate) struct Entry(#[expect(dead_code, reason = "only its presence matters")] *const ());
+
+// SAFETY: the address is never used.
+unsafe impl Sync for Entry {}
+
+macro_rules! entries {
+    ($($function:expr),* $(,)?) => { [$(Entry($function as *const ())),*] };
+}
+
+pub(crate) static ALL: &[Entry] = &entries![
+    // num, raster, scan
+    Point::within,
+    Turn::from_ratio,
+    Turn::to_microdegrees,
+    Turn::distance,
+    Turn::cos_sin,
+    BitMask::new,
+    BitMask::get,
+    BitMask::byte,
+    GrayImage::new,
+    GrayImage::row,
+    RgbImage::new,
+    RgbImage::pixel,
+    Scan::count,
+    Scan::segments,
+    // plan
+    plan::packed_len,
+    plan::pack,
+    Plan::new,
+    Plan::verify,
+    Plan::hit_at,
+    Plan::scan,
+    cast,
+    Plan::cell_centre,
+    Frame::cell_centre,
+    // descriptor, spectrum
+    Descriptor::fill,
+    descriptor::hit_level,
+    spectrum::forward,
+    spectrum::inverse,
+    correlate,
+    // similarity, signature
+    Confidence::new,
+    Confidence::is_certain,
+    Peak::score,
+    Profile::fill,
+    Candidate::fill,
+    Query::set,
+    Query::channel,
+    Query::score,
+    Query::parts,
+    Query::peak,
+    Query::scores,
+    Query::load,
+    Signature::new,
+    Signature::distance,
+    // site_map, site
+    Header::map_bytes,
+    write_map,
+    Layer::new,
+    PackedScan::new,
+    PackedScan::unpack,
+    SiteMap::new,
+    SiteMap::verify,
+    SiteMap::get,
+    SiteMap::position,
+    walk_map,
+    Record::layer,
+    Record::signature,
+    Record::sketch,
+    Record::scan,
+    LayerView::signature,
+    LayerView::sketch,
+    LayerView::scan,
+    Sketch::new,
+    SketchQuery::new,
+    SketchQuery::rank,
+    site::is_name,
+    Floor::new,
+    Floor::plan,
+    Site::new,
+    Site::verify,
+    Site::floor,
+    walk_site,
+    site::Writer::new,
+    write_site,
+    // matching
+    Group::fill,
+    Index::new,
+    Index::len,
+    matching::nearest_signatures,
+    matching::Match::heading,
+    matching::Answer::matches,
+    matching::Answer::best,
+    matching::Answer::margin,
+    Board::scores,
+    Board::load,
+    matching::shortlist,
+    matching::exhaustive,
+    // likelihood
+    Table::plane,
+    Table::get,
+    Table::set,
+    Table::set_plane,
+    Table::at,
+    likelihood::plane_of,
+    Rows::<HEADINGS>::set,
+    Rows::<HEADINGS>::planes,
+    Rows::<HEADINGS>::planes_of_packed,
+    Rows::<HEADINGS>::scores,
+    search,
+    likelihood::approach,
+    likelihood::refine,
+    likelihood::settle,
+    likelihood::answer,
+    likelihood::Answer::modes,
+    likelihood::Answer::best,
+    likelihood::Answer::margin,
+    // camera
+    KannalaBrandt::new,
+    Eucm::new,
+    Equidistant::new,
+    Camera::project,
+    Camera::unproject,
+    Camera::scaled,
+    Camera::intrinsics,
+    Camera::max_angle,
+    View::new,
+    Rig::new,
+    Rig::back_to_back,
+    Rig::view,
+    walk_rig,
+    // segments
+    segments::detect,
+    // attitude
+    Arc::new,
+    Arc::agreement,
+    attitude::vertical,
+    Vertical::roll_deg,
+    Vertical::pitch_deg,
+    attitude::building_axes,
+    Axes::directions,
+    Axes::axis_of,
+    // windows
+    Resolution::of,
+    Level::new,
+    Level::up,
+    Level::bearing,
+    Level::direction,
+    Finder::new,
+    Finder::add,
+    Finder::finish,
+    visit_edges,
+    Window::azimuth_deg,
+    Window::elevation_deg,
+    level::segment_parameters,
+    level::sky_above,
+    level::wants_smoothed,
+    level::image_box,
+    paper::find,
+    // boundary, sight
+    Surveyor::new,
+    Surveyor::add,
+    Surveyor::finish,
+    boundary::height_rungs,
+    boundary::height_m,
+    Ranges::ceiling_ratio,
+    Ranges::heights,
+    Ranges::knows,
+    Ranges::row,
+    Ranges::range,
+    sight::evidence,
+    sight::scan,
+    // locate, track
+    locate::locate::<HEADINGS>,
+    Fix::height_m,
+    Fix::probability,
+    Track::step,
+    Track::estimate,
+    hypotheses,
+];
+
+// What is generic or gives an iterator, for arguments as unknown as those of the rest.
+
+fn cast(
+    plan: &Plan<'_>,
+    at: Point,
+    heading: Turn,
+    stride: usize,
+    out: &mut [(u16, Hit)],
+) -> Result<(), MarchError> {
+    out.iter_mut().zip(plan.rays(at, heading, stride)?).for_each(|(out, ray)| *out = ray);
+    Ok(())
+}
+
+fn correlate(correlator: &mut Correlator, values: &[[i16; BINS]], out: &mut [i32; BINS]) -> i32 {
+    let value = |channel: usize, bin: usize| {
+        i32::from(values.get(channel).and_then(|values| values.get(bin)).copied().unwrap_or_default())
+    };
+    correlator.set_query(values.len(), value);
+    correlator.correlate(Extent::of(values.len(), value), value, out)
+}
+
+fn search(
+    rows: &Rows<HEADINGS>,
+    sheets: &[Sheet<'_>],
+    among: &dyn Fn(u8, usize) -> bool,
+    pool: &mut [Mode],
+) -> usize {
+    likelihood::search(rows, sheets, among, pool)
+}
+
+struct Bytes<'a>(&'a mut dyn FnMut(&[u8]) -> bool);
+
+impl Sink for Bytes<'_> {
+    type Error = ();
+    fn append(&mut self, bytes: &[u8]) -> Result<(), ()> {
+        if (self.0)(bytes) { Ok(()) } else { Err(()) }
+    }
+}
+
+fn write_map(sink: Bytes<'_>, header: &Header, candidates: &[([u16; 2], &[Layer])]) -> Result<(), ()> {
+    let mut writer = site_map::Writer::new(sink, header)?;
+    candidates.iter().try_for_each(|(cell, layers)| writer.candidate(*cell, layers))?;
+    writer.finish().map(drop)
+}
+
+fn write_site(sink: Bytes<'_>, writer: &site::Writer<'_, '_>) -> Result<(), ()> {
+    writer.write(sink).map(drop)
+}
+
+fn walk_map(map: &SiteMap<'_>, visit: &mut dyn FnMut([u16; 2])) {
+    map.iter().for_each(|record| visit(record.cell()));
+}
+
+fn walk_site(site: &Site<'_>, visit: &mut dyn FnMut(&str)) {
+    site.floors().for_each(|floor| visit(floor.name()));
+}
+
+fn walk_rig(rig: &Rig, visit: &mut dyn FnMut(usize, &View)) {
+    rig.views().for_each(|(number, view)| visit(number, view));
+}
+
+fn visit_edges(uprights: &mut [Upright], resolution: Resolution, visit: &mut dyn FnMut(&Edge)) {
+    level::visit_edges(uprights, resolution, visit);
+}
+
+fn hypotheses(track: &Track, visit: &mut dyn FnMut(Mode, f32)) {
+    track.hypotheses().for_each(|(mode, probability)| visit(mode, probability));
+}
