@@ -1,6 +1,6 @@
-//! From what is seen to a pose: search over camera heights, candidates and headings, refinement, answer.
+//! From what is seen to a pose: search over heights of ceiling and camera, candidates and headings, refinement, answer.
 
-use crate::boundary::{Ranges, height_m};
+use crate::boundary::{Ranges, Survey, height_m};
 use crate::likelihood::{Answer, Mode, Rows, Sheet, Table, answer, approach, refine, search, settle};
 use crate::num::{Metres, Turn};
 use crate::order;
@@ -18,13 +18,30 @@ const SAME: Metres = Metres::from_bits(3 << 30);
 /// ... and turned by no more than this.
 const SAME_TURN: Turn = Turn::from_ratio(15, 360);
 
+/// Where the camera's height is not known, every second rung of it is tried: 13 %.
+const HEIGHT_STEP: usize = 2;
+/// An answer that leads by so much, 1/16 nat, needs no second look, with another ceiling.
+const SURE: i32 = 150 * 16;
+
 /// Log odds against an answer whose margin is 0, and what they lose per unit of ln(1 + margin in nats).
-const CERTAINTY: [f32; 2] = [8.07, 2.33];
+const CERTAINTY: [f32; 2] = [14.02, 3.26];
+
+/// What is known of the room and of how the cameras are carried.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Room {
+    /// Height of the camera above the floor, in [rungs](crate::boundary::height_rungs).
+    pub height: Option<i8>,
+    /// By how many rungs the ceiling is higher above the camera than the floor below it.
+    pub ceiling: Option<i8>,
+}
 
 /// Memory lent for the search; what it holds before does not matter. The search tries N headings: 90 do, the rest is
 /// refinement.
 #[derive(Debug)]
 pub struct Work<'a, const N: usize> {
+    /// For the likelihoods of ranges.
+    pub ranges: &'a mut Ranges,
     /// For the evidence.
     pub table: &'a mut Table,
     /// For the search.
@@ -33,6 +50,8 @@ pub struct Work<'a, const N: usize> {
     pub pool: &'a mut [Mode],
     /// How many modes to refine, at most [`MAX_MODES`].
     pub modes: usize,
+    /// How many heights of the ceiling to try, at most [`MAX_CEILINGS`](crate::boundary::MAX_CEILINGS).
+    pub ceilings: usize,
 }
 
 /// Where the cameras are.
@@ -42,6 +61,8 @@ pub struct Fix {
     pub answer: Answer,
     /// The camera's height in [rungs](crate::boundary::height_rungs): that given, or that found.
     pub height: i8,
+    /// By how many rungs the ceiling is higher above the camera than the floor below it: that given, or that found.
+    pub ceiling: i8,
 }
 
 impl Fix {
@@ -53,7 +74,7 @@ impl Fix {
 
     /// How likely the best pose is within 1 m of the true one, 0 to 1: from its margin over the best pose elsewhere.
     ///
-    /// Logistic in the logarithm of the margin, fitted to 129 frame pairs of two storeys, 120 of them simulated
+    /// Logistic in the logarithm of the margin, fitted to 249 frame pairs of two storeys, 240 of them simulated
     /// (`docs/design.md`). The score itself says little: bins next to each other err together.
     #[must_use]
     pub fn probability(&self) -> f32 {
@@ -63,31 +84,66 @@ impl Fix {
         let margin = self.answer.margin().max(0) as f32 / 16.0;
         1.0 / (1.0 + libm::expf(CERTAINTY[0] - CERTAINTY[1] * libm::log1pf(margin)))
     }
+
+    /// Whether the answer leads by so much that no other height of the ceiling was tried.
+    #[must_use]
+    pub fn is_sure(&self) -> bool {
+        self.answer.margin() >= SURE
+    }
 }
 
 /// A mode and the height of the camera that it was found with.
 type Found = (Mode, i8);
 
-/// Finds the pose that explains best what was seen, on all sheets; `height` is that of the camera in
-/// [rungs](crate::boundary::height_rungs), and is searched for where it is not known.
+/// Finds the pose that explains best what was seen, on all sheets. Heights that are not known are searched for.
+///
+/// Which ceiling is the true one the plan tells: with a wrong one the room has the wrong size, and fits badly in many
+/// places rather than well in one. Of the likeliest ones that counts whose best pose leads by the most.
 ///
 /// # Cost
-/// One [`search`] per height, and as many [refinements](refine) as [`Work::modes`]. Where the height is not known, a room
-/// of usual height allows about 14, and the best pose is refined with the two next to its own as well.
+/// For each ceiling tried one [`search`] per height, and as many [refinements](refine()) as [`Work::modes`]. Where the
+/// height is not known, a room of usual height allows about 7, and the best pose is refined with the two next to its own
+/// as well.
 #[inline]
 pub fn locate<const N: usize>(
-    ranges: &Ranges,
-    height: Option<i8>,
+    survey: &Survey<'_>,
+    room: Room,
     sighting: &Sighting,
     sheets: &[Sheet<'_>],
     work: &mut Work<'_, N>,
 ) -> Fix {
-    let Work { table, rows, pool, modes } = work;
-    let mut evidence = Evidence { ranges, sighting, table, height: None };
+    let mut ceilings = survey.ceilings(room.height);
+    if let Some(known) = room.ceiling {
+        ceilings.clear();
+        let _ = ceilings.push(known);
+    }
+    let mut best = Fix { answer: Answer::nothing(), height: room.height.unwrap_or(0), ceiling: 0 };
+    for (tried, ceiling) in ceilings.into_iter().take(work.ceilings.max(1)).enumerate() {
+        survey.ranges(ceiling, work.ranges);
+        let (answer, height) = look(room.height, sighting, sheets, work);
+        if tried == 0 || answer.margin() > best.answer.margin() {
+            best = Fix { answer, height, ceiling };
+        }
+        if best.is_sure() {
+            break;
+        }
+    }
+    best
+}
+
+/// The poses that explain best what was seen, with one ceiling, and the height of the camera.
+fn look<const N: usize>(
+    height: Option<i8>,
+    sighting: &Sighting,
+    sheets: &[Sheet<'_>],
+    work: &mut Work<'_, N>,
+) -> (Answer, i8) {
+    let Work { ranges, table, rows, pool, modes, .. } = work;
     let heights = height.map_or_else(|| ranges.heights(), |known| known..=known);
+    let mut evidence = Evidence { ranges, sighting, table, height: None };
     let wanted = (*modes).clamp(1, MAX_MODES);
     let mut found: Vec<Found, MAX_MODES> = Vec::new();
-    for height in heights.clone() {
+    for height in heights.clone().step_by(HEIGHT_STEP) {
         rows.set(evidence.at(height));
         let count = search(rows, sheets, |_, _| true, pool);
         pool.iter().take(count.min(wanted)).for_each(|mode| offer(&mut found, wanted, (*mode, height)));
@@ -102,11 +158,11 @@ pub fn locate<const N: usize>(
         let _ = modes.push(*mode);
     }
     let Some(best) = found.into_iter().max_by_key(|(mode, _)| mode.score) else {
-        return Fix { answer: answer(sheets, &mut []), height: height.unwrap_or(0) };
+        return (Answer::nothing(), height.unwrap_or(0));
     };
     let best = evidence.polish(&heights, sheets, best);
     let _ = modes.push(best.0);
-    Fix { answer: answer(sheets, &mut modes), height: best.1 }
+    (answer(sheets, &mut modes), best.1)
 }
 
 /// What was seen, as evidence for one height of the camera at a time.

@@ -3,7 +3,7 @@
 use crate::frame::{Frame, MAX_SEGMENTS, SegmentDetector};
 use crate::wide::wide;
 use compass_core::attitude::{self, Arc, Axes, Hint, LEAST_INLIERS, Vertical};
-use compass_core::boundary::{self, Ranges, Surveyor};
+use compass_core::boundary::{self, Ranges, Survey, Surveyor, height_rungs};
 use compass_core::camera::{Bearing, Rig, View};
 use compass_core::raster::{BitMask, GrayImage, RgbImage};
 use compass_core::segments::{Detected, Parameters, Segment, SegmentsError};
@@ -189,8 +189,8 @@ impl Eyes {
         Ok(Seen { sighting, windows, level })
     }
 
-    /// Measures how far the walls are in frames whose segments were just detected; the height of cam0 above the floor, in
-    /// metres, helps where it is known.
+    /// Measures how far the walls are in frames whose segments were just detected, with the likeliest ceiling; the height
+    /// of cam0 above the floor, in metres, helps where it is known.
     ///
     /// # Errors
     /// [`EyesError::Up`].
@@ -200,16 +200,17 @@ impl Eyes {
         up: &Bearing,
         height_m: Option<f32>,
     ) -> Result<&Ranges, EyesError> {
-        let level = Level::new(up).ok_or(EyesError::Up)?;
-        let [edges, support] = &mut self.boundary;
-        let buffers = boundary::Buffers { edges, support };
-        let mut surveyor = Surveyor::new(buffers, &self.rig, level).ok_or(EyesError::Up)?;
-        for (camera, (eye, frame)) in self.eyes.iter().zip(frames).enumerate() {
-            let Some((eye, frame)) = eye.as_ref().zip(frame) else { continue };
-            surveyor.add(camera, &eye.detector.smoothed(&frame.gray()), red(frame));
-        }
-        surveyor.finish(height_m, &mut self.ranges);
-        Ok(&self.ranges)
+        let Self { rig, eyes, boundary, ranges, .. } = self;
+        survey(rig, eyes, frames, up, boundary)?.likeliest(height_m.map(height_rungs), ranges);
+        Ok(ranges)
+    }
+
+    /// Looks where the walls meet floor and ceiling in frames whose segments were just detected.
+    ///
+    /// # Errors
+    /// [`EyesError::Up`].
+    pub fn survey(&mut self, frames: [Option<&Frame>; 2], up: &Bearing) -> Result<Survey<'_>, EyesError> {
+        survey(&self.rig, &self.eyes, frames, up, &mut self.boundary)
     }
 
     /// Finds which way is up from the segments just detected, near the vertical of cam0's image.
@@ -336,6 +337,24 @@ impl Eye {
             detected: Detected { count: 0, truncated: false },
         }
     }
+}
+
+/// Where the walls meet floor and ceiling, in frames whose segments were just detected.
+fn survey<'a>(
+    rig: &Rig,
+    eyes: &[Option<Eye>; 2],
+    frames: [Option<&Frame>; 2],
+    up: &Bearing,
+    [edges, support]: &'a mut [Vec<u8>; 2],
+) -> Result<Survey<'a>, EyesError> {
+    let level = Level::new(up).ok_or(EyesError::Up)?;
+    let mut surveyor =
+        Surveyor::new(boundary::Buffers { edges, support }, rig, level).ok_or(EyesError::Up)?;
+    for (camera, (eye, frame)) in eyes.iter().zip(frames).enumerate() {
+        let Some((eye, frame)) = eye.as_ref().zip(frame) else { continue };
+        surveyor.add(camera, &eye.detector.smoothed(&frame.gray()), red(frame));
+    }
+    Ok(surveyor.finish())
 }
 
 /// Where a frame is red, if it has colours.

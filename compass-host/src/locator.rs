@@ -1,9 +1,10 @@
 //! From frames to a pose on a site: the core's search with its buffers.
 
 use crate::site_file::Storey;
-use compass_core::boundary::Ranges;
+use compass_core::boundary::{MAX_CEILINGS, Ranges, Survey};
 use compass_core::likelihood::{Answer, Mode, Rows, Sheet, Table, answer, refine, search};
-use compass_core::locate::{Fix, Work, locate};
+use compass_core::locate::{Fix, Room, Work, locate};
+use compass_core::sight;
 use compass_core::windows::level::Sighting;
 use thiserror::Error;
 
@@ -23,6 +24,7 @@ pub struct NoPlan;
 #[derive(Debug)]
 pub struct Locator<'a> {
     sheets: Vec<Sheet<'a>>,
+    ranges: Box<Ranges>,
     table: Box<Table>,
     rows: Box<Rows<HEADINGS>>,
     pool: Vec<Mode>,
@@ -44,6 +46,7 @@ impl<'a> Locator<'a> {
         }
         Ok(Self {
             sheets,
+            ranges: Box::new(Ranges::EMPTY),
             table: Box::new(Table::EMPTY),
             rows: Box::new(Rows::BLANK),
             pool: vec![Mode::NONE; POOL],
@@ -56,15 +59,28 @@ impl<'a> Locator<'a> {
         &self.sheets
     }
 
-    /// Finds the pose that explains best what was seen, with the camera's height in rungs where it is known.
-    pub fn locate(&mut self, ranges: &Ranges, height: Option<i8>, sighting: &Sighting) -> Fix {
-        let Self { sheets, table, rows, pool } = self;
-        locate(ranges, height, sighting, sheets, &mut Work { table, rows, pool, modes: MODES })
+    /// Finds the pose that explains best what was seen, with what is known of the room.
+    pub fn locate(&mut self, survey: &Survey<'_>, room: Room, sighting: &Sighting) -> Fix {
+        let Self { sheets, ranges, table, rows, pool } = self;
+        let mut work = Work { ranges, table, rows, pool, modes: MODES, ceilings: MAX_CEILINGS };
+        locate(survey, room, sighting, sheets, &mut work)
+    }
+
+    /// Fills the [table](Self::table) with what was seen, for heights of camera and ceiling in rungs.
+    pub fn weigh(&mut self, survey: &Survey<'_>, [height, ceiling]: [i8; 2], sighting: &Sighting) {
+        survey.ranges(ceiling, &mut self.ranges);
+        sight::evidence(&self.ranges, height, sighting, &mut self.table);
+    }
+
+    /// The evidence of the last look.
+    #[must_use]
+    pub fn table(&self) -> &Table {
+        &self.table
     }
 
     /// Finds the pose that explains some evidence best, which `fill` writes into the table.
     pub fn explain(&mut self, fill: impl FnOnce(&mut Table)) -> Answer {
-        let Self { sheets, table, rows, pool } = self;
+        let Self { sheets, table, rows, pool, .. } = self;
         fill(table);
         rows.set(table);
         let found = search(rows, sheets, |_, _| true, pool);

@@ -151,19 +151,16 @@ pub(super) fn ceilings(height_m: f32) -> [i8; 2] {
     })
 }
 
-/// The height of the ceiling, in rungs against the floor, at which the directions see both boundaries best.
-pub(super) fn ceiling(floor: &[u8], ceiling: &[u8], [least, most]: [i8; 2]) -> i8 {
-    let total = |offset: i8| {
-        let mut best = [i16::MIN; BINS];
-        for (rung, prior) in PRIOR.iter().enumerate() {
-            let (floor, ceiling) = rows(floor, ceiling, rung, offset);
-            for ((best, floor), ceiling) in best.iter_mut().zip(floor).zip(ceiling) {
-                *best = (*best).max(i16::from(*floor) + i16::from(*ceiling) + prior);
-            }
+/// How well the directions see both boundaries at one range, if the ceiling is at a height: the sum of each one's best.
+pub(super) fn agreement(floor: &[u8], ceiling: &[u8], offset: i8) -> i32 {
+    let mut best = [i16::MIN; BINS];
+    for (rung, prior) in PRIOR.iter().enumerate() {
+        let (floor, ceiling) = rows(floor, ceiling, rung, offset);
+        for ((best, floor), ceiling) in best.iter_mut().zip(floor).zip(ceiling) {
+            *best = (*best).max(i16::from(*floor) + i16::from(*ceiling) + prior);
         }
-        best.iter().map(|best| i32::from(*best)).sum::<i32>()
-    };
-    (least..=most).rev().max_by_key(|offset| total(*offset)).unwrap_or(0)
+    }
+    best.iter().map(|best| i32::from(*best)).sum()
 }
 
 /// The rows of both surfaces that a wall at a rung shows.

@@ -1,10 +1,10 @@
 //! How far the walls are: where they meet the floor and the ceiling, in every direction.
 //!
-//! frames -> edges on a raster of azimuth and log range, floor and ceiling -> support by neighbouring azimuths ->
-//! [`Ranges`]: per azimuth, the likelihood of the wall standing at each of a ladder of ranges.
+//! frames -> edges on a raster of azimuth and log range, floor and ceiling -> support by neighbouring azimuths:
+//! [`Survey`] -> [`Ranges`]: per azimuth, the likelihood of the wall standing at each of a ladder of ranges.
 //!
-//! Ranges are counted in camera heights ([`Ranges::row`] brings the height in), and the height of the ceiling is
-//! found as a multiple of it: the one at which most directions see both boundaries at one range. Furniture and people
+//! Ranges are counted in camera heights ([`Ranges::row`] brings the height in), and the height of the ceiling as a
+//! multiple of it: those at which most directions see both boundaries at one range. Furniture and people
 //! hide the floor more often than the ceiling, floor joints are no walls, and walls that the plan lacks are seen too:
 //! therefore nothing is decided here, and no range is ever impossible.
 //!
@@ -14,8 +14,10 @@
 mod evidence;
 mod polar;
 mod support;
+mod survey;
 
 pub use evidence::{Range, Ranges};
+pub use survey::{MAX_CEILINGS, Survey};
 
 use crate::camera::Rig;
 use crate::num::BINS;
@@ -84,19 +86,17 @@ impl<'a, 'r> Surveyor<'a, 'r> {
         polar::draw(self.buffers.edges, self.rig, camera, self.level, (image, red));
     }
 
-    /// Turns what was seen into likelihoods. `height_m`, if known, bounds where the ceiling may be.
+    /// Turns what was seen into evidence, in the lent [`Buffers::support`].
     ///
     /// # Cost
-    /// Passes over the [`CELLS`], one of them for each height that the ceiling may have.
-    pub fn finish(self, height_m: Option<f32>, ranges: &mut Ranges) {
+    /// Passes over the [`CELLS`], seven for the support of a cell by its neighbours.
+    #[must_use]
+    pub fn finish(self) -> Survey<'a> {
         let Buffers { edges, support } = self.buffers;
-        ranges.known = support::known(edges);
+        let known = support::known(edges);
         support::normalize(edges);
         support::gather(edges, support);
-        let Some((floor, ceiling)) = support.split_at_checked(RUNGS * BINS) else { return };
-        let bounds = height_m.map_or(evidence::CEILINGS, evidence::ceilings);
-        ranges.ceiling = evidence::ceiling(floor, ceiling, bounds);
-        evidence::fill(ranges, floor, ceiling);
+        Survey::of(support, known)
     }
 }
 

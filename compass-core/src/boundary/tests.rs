@@ -81,7 +81,7 @@ fn survey(
         surveyor.add(camera, &image, Red::Unknown);
     }
     let mut ranges = Box::new(Ranges::EMPTY);
-    surveyor.finish(height, &mut ranges);
+    surveyor.finish().likeliest(height.map(height_rungs), &mut ranges);
     ranges
 }
 
@@ -167,4 +167,38 @@ fn heights_are_shifts() {
     let [low, high] = [0, 5].map(|height| ranges.range(90, height).unwrap().metres);
     assert!((high / low - libm::expf(5.0 * RUNG)).abs() < 1e-3);
     assert_eq!(ranges.row(20, 0), ranges.row(25, 5));
+}
+
+/// Evidence of a floor at rung 30 all around, and of ceilings that lie by so many rungs higher.
+fn cells(ceilings: &[(usize, u8)]) -> Vec<u8> {
+    let mut cells = vec![0; CELLS];
+    let (floor, above) = cells.split_at_mut(RUNGS * BINS);
+    floor[30 * BINS..31 * BINS].fill(60);
+    for &(offset, evidence) in ceilings {
+        above[(30 - offset) * BINS..][..BINS].fill(evidence);
+    }
+    cells
+}
+
+#[test]
+fn ceilings_come_by_evidence() {
+    let cells = cells(&[(2, 30), (5, 50), (12, 40), (16, 10), (20, 20)]);
+    let survey = Survey::new(&cells, [true; BINS]).unwrap();
+    assert_eq!(survey.ceilings(None), [5, 12, 2, 20]);
+    // The room is 4.5 m at most: a ceiling at 1.25 camera heights of 2 m.
+    let low = survey.ceilings(Some(height_rungs(2.0)));
+    assert_eq!(low.first(), Some(&2), "{low:?}");
+    let mut ranges = Box::new(Ranges::EMPTY);
+    survey.ranges(12, &mut ranges);
+    assert!((ranges.ceiling_ratio() - libm::expf(12.0 * RUNG)).abs() < 1e-5);
+    survey.likeliest(None, &mut ranges);
+    assert!((ranges.ceiling_ratio() - libm::expf(5.0 * RUNG)).abs() < 1e-5);
+    assert!(Survey::new(&cells[1..], [true; BINS]).is_none());
+    assert_eq!(Survey::new(survey.cells(), *survey.known()).unwrap().ceilings(None), survey.ceilings(None));
+}
+
+#[test]
+fn nothing_seen_has_a_ceiling_too() {
+    let cells = vec![0; CELLS];
+    assert_eq!(Survey::new(&cells, [false; BINS]).unwrap().ceilings(None).len(), 1);
 }

@@ -17,6 +17,11 @@ pub struct Answer {
 }
 
 impl Answer {
+    /// No pose.
+    pub(crate) const fn nothing() -> Self {
+        Self { modes: heapless::Vec::new() }
+    }
+
     /// The best pose and its alternatives: on other floors, or at least 1 m or 20 degrees apart.
     #[must_use]
     pub fn modes(&self) -> &[Mode] {

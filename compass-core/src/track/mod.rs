@@ -12,6 +12,10 @@
 //! poses lead right ones by up to 50 nats in single frames, which is then 3. One frame can take no more than a bounded
 //! factor from any pose.
 
+mod usual;
+
+pub use usual::Usual;
+
 use crate::likelihood::{Mode, Sheet, Table, refine};
 use crate::num::{Metres, Point, Turn};
 use crate::order;

@@ -93,7 +93,7 @@ impl Differences {
         }
         let mut ranges = Box::new(Ranges::EMPTY);
         if let (Some(()), Some(surveyor)) = (drawn, survey(rig, images, level, [&mut edges, &mut support])) {
-            surveyor.finish(None, &mut ranges);
+            surveyor.finish().likeliest(None, &mut ranges);
         }
         let nats: Vec<_> = support.iter().map(|sixteenths| f64::from(*sixteenths) / 16.0).collect();
         let exact = real::support(&raw.iter().map(known).collect::<Vec<_>>());

@@ -1,73 +1,74 @@
-//! The evidence of a frame for every height of the camera, as a gray picture: a column per direction, 128 where nothing
-//! is known.
+//! What was seen in a frame as a gray picture: a column per direction.
 //!
-//! Tables for two heights differ by a shift along the ladder of ranges. The rows are walls along the whole ladder, windows
-//! likewise, and what speaks for nothing there at each height.
+//! From the top: evidence of edges of the floor and of the ceiling by rung of range, as a [`Survey`] has it; whether
+//! range and hit type are known; the log odds of a window, high byte and low byte, of 2^15 more than they are.
 
 use crate::image_file::{self, Samples};
 use crate::output::write_file;
 use anyhow::{Context as _, Result, bail};
-use compass_core::boundary::{HEIGHTS_M, RUNGS, height_rungs};
-use compass_core::likelihood::{OPEN_PLANE, RANGES, Table};
+use compass_core::boundary::{CELLS, Survey};
 use compass_core::num::BINS;
+use compass_core::scan::Hit;
+use compass_core::similarity::Confidence;
+use compass_core::windows::level::Sighting;
 use image::ImageEncoder as _;
-use std::ops::RangeInclusive;
 use std::path::Path;
 
-/// What stands for 0.
-const MIDDLE: i32 = 128;
-/// The ladder reaches as many rungs beyond that of a table at the nominal height, to either side.
-const BEYOND: i8 = ((RUNGS - RANGES) / 2) as i8;
+/// Rows below the survey's.
+const EXTRA: usize = 4;
+/// Rows of the picture.
+const ROWS: usize = CELLS / BINS + EXTRA;
+/// What log odds are counted from.
+const MIDDLE: i32 = 1 << 15;
 
-/// A row of a table.
-type Row = [i8; BINS];
-
-/// What was seen in a frame, for all heights of the camera.
+/// What was seen in a frame, for whatever height of camera and ceiling.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Evidence {
-    rows: Vec<Row>,
-}
-
-/// The heights that can be told apart, rungs.
-fn heights() -> RangeInclusive<i8> {
-    height_rungs(HEIGHTS_M[0])..=height_rungs(HEIGHTS_M[1])
+    /// [`ROWS`] of [`BINS`].
+    rows: Vec<u8>,
 }
 
 impl Evidence {
-    /// Takes the evidence from `fill`, which writes the table for a height in rungs.
-    pub fn new(mut fill: impl FnMut(i8, &mut Table)) -> Self {
-        let mut table = Box::new(Table::EMPTY);
-        let mut far = Box::new(Table::EMPTY);
-        fill(BEYOND, &mut table);
-        fill(-BEYOND, &mut far);
-        let row = |of: &Table, plane: usize| of.plane(plane as u8).copied().unwrap_or([0; BINS]);
-        let mut rows = Vec::new();
-        for first in [0, RANGES] {
-            rows.extend((0..RANGES).map(|rung| row(&table, first + rung)));
-            rows.extend((2 * RANGES - RUNGS..RANGES).map(|rung| row(&far, first + rung)));
-        }
-        for height in heights() {
-            fill(height, &mut table);
-            rows.push(row(&table, usize::from(OPEN_PLANE)));
-        }
+    /// Keeps what matching needs.
+    #[must_use]
+    pub fn new(survey: &Survey<'_>, sighting: &Sighting) -> Self {
+        let odds = sighting.evidence.map(|odds| (i32::from(odds) + MIDDLE) as u16);
+        let mut rows = survey.cells().to_vec();
+        rows.extend(survey.known().map(u8::from));
+        rows.extend(sighting.confidence.sixteenths());
+        rows.extend(odds.map(|odds| (odds >> 8) as u8));
+        rows.extend(odds.map(|odds| odds as u8));
         Self { rows }
     }
 
-    /// Writes the table for a height in rungs.
-    pub fn table(&self, height: i8, table: &mut Table) {
-        let mut set = |plane: usize, row: usize| {
-            if let Some(row) = self.rows.get(row) {
-                table.set_plane(plane as u8, &row.map(i32::from));
-            }
-        };
-        for rung in 0..RANGES {
-            let at = (rung as isize + isize::from(BEYOND - height)).clamp(0, RUNGS as isize - 1) as usize;
-            set(rung, at);
-            set(RANGES + rung, RUNGS + at);
+    /// The evidence of ranges.
+    #[must_use]
+    pub fn survey(&self) -> Survey<'_> {
+        let known = self.row(0).map(|known| known > 0);
+        Survey::new(&self.rows[..CELLS], known).expect("as many cells as a survey has")
+    }
+
+    /// The hit types; windows themselves are not kept.
+    #[must_use]
+    pub fn sighting(&self) -> Sighting {
+        let (high, low) = (self.row(2), self.row(3));
+        let evidence =
+            std::array::from_fn(|bin| (i32::from(high[bin]) * 256 + i32::from(low[bin]) - MIDDLE) as i16);
+        Sighting {
+            count: 0,
+            truncated: false,
+            hit: evidence.map(|odds| if odds > 0 { Hit::Window } else { Hit::Wall }),
+            confidence: Confidence::new(&self.row(1)),
+            evidence,
+            uprights: 0,
+            boxes: 0,
         }
-        let (least, most) = heights().into_inner();
-        let nth = usize::try_from(height.clamp(least, most) - least).unwrap_or(0);
-        set(usize::from(OPEN_PLANE), 2 * RUNGS + nth);
+    }
+
+    /// One of the rows below the survey's.
+    fn row(&self, number: usize) -> [u8; BINS] {
+        let rows = self.rows[CELLS..].as_chunks::<BINS>().0;
+        rows[number]
     }
 
     /// Writes it as a PNG file.
@@ -75,11 +76,9 @@ impl Evidence {
     /// # Errors
     /// Names the file.
     pub fn write(&self, path: &Path) -> Result<()> {
-        let values = self.rows.as_flattened().iter();
-        let pixels: Vec<u8> = values.map(|&value| (i32::from(value) + MIDDLE) as u8).collect();
         let mut png = Vec::new();
         image::codecs::png::PngEncoder::new(&mut png)
-            .write_image(&pixels, BINS as u32, self.rows.len() as u32, image::ExtendedColorType::L8)
+            .write_image(&self.rows, BINS as u32, ROWS as u32, image::ExtendedColorType::L8)
             .with_context(|| path.display().to_string())?;
         write_file(path, &png)
     }
@@ -90,44 +89,39 @@ impl Evidence {
     /// Names the file.
     pub fn read(path: &Path) -> Result<Self> {
         let picture = image_file::read(path)?;
-        let height = 2 * RUNGS + heights().count();
         let size = (picture.width as usize, picture.height as usize);
-        let (Samples::Gray(pixels), true) = (picture.samples, size == (BINS, height)) else {
+        let (Samples::Gray(rows), true) = (picture.samples, size == (BINS, ROWS)) else {
             bail!("{}: no evidence", path.display());
         };
-        let rows = pixels.as_chunks::<BINS>().0.iter();
-        Ok(Self { rows: rows.map(|row| row.map(|value| (i32::from(value) - MIDDLE) as i8)).collect() })
+        Ok(Self { rows })
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use compass_core::likelihood::PLANES;
-
-    /// As if from ranges on a ladder of their own.
-    fn fill(height: i8, table: &mut Table) {
-        for plane in 0..PLANES {
-            let rung = if plane == usize::from(OPEN_PLANE) { RANGES - 1 } else { plane % RANGES };
-            let at = (rung as i32 + i32::from(BEYOND) - i32::from(height)).clamp(0, RUNGS as i32 - 1);
-            for bin in 0..BINS {
-                let hit = (plane / RANGES) as i32 * (bin % 5) as i32;
-                table.set(plane as u8, bin, at - 45 + hit);
-            }
-        }
-    }
 
     #[test]
-    fn every_height_round_trips() {
+    fn what_was_seen_round_trips() {
+        let cells: Vec<u8> = (0..CELLS).map(|at| (at * at / 7) as u8).collect();
+        let known = std::array::from_fn(|bin| bin % 3 > 0);
+        let survey = Survey::new(&cells, known).unwrap();
+        let evidence = std::array::from_fn(|bin| bin as i16 * 5 - 1024);
+        let sighting = Sighting {
+            count: 0,
+            truncated: false,
+            hit: evidence.map(|odds: i16| if odds > 0 { Hit::Window } else { Hit::Wall }),
+            confidence: Confidence::new(&std::array::from_fn(|bin| (bin % 17) as u8)),
+            evidence,
+            uprights: 0,
+            boxes: 0,
+        };
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("1.png");
-        Evidence::new(fill).write(&path).unwrap();
+        Evidence::new(&survey, &sighting).write(&path).unwrap();
         let back = Evidence::read(&path).unwrap();
-        let (mut table, mut expected) = (Box::new(Table::EMPTY), Box::new(Table::EMPTY));
-        for height in heights() {
-            fill(height, &mut expected);
-            back.table(height, &mut table);
-            assert!(table == expected, "height {height}");
-        }
+        assert_eq!(back.survey().cells(), survey.cells());
+        assert_eq!(back.survey().known(), survey.known());
+        assert_eq!(back.sighting(), sighting);
     }
 }

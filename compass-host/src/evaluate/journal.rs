@@ -135,6 +135,7 @@ mod tests {
             up: Some([0.1, -0.9, 0.3]),
             height_m: 1.7,
             height: 2,
+            ceiling: 0,
             single: vec![super::super::Found { sheet: 1, x: -5 << 32, y: 7, heading: u32::MAX, score: -3 }],
             oracle: Vec::new(),
             plain: Vec::new(),

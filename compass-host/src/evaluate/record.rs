@@ -37,6 +37,8 @@ pub struct Record {
     pub height_m: f32,
     /// The same in rungs.
     pub height: i8,
+    /// By how many rungs the ceiling is higher above the camera than the floor below it.
+    pub ceiling: i8,
     /// The frame by itself: the best pose and its alternatives.
     pub single: Vec<Found>,
     /// The same search with what the plan says at the true pose.

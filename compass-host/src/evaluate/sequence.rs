@@ -7,17 +7,12 @@ use crate::locator::Locator;
 use crate::site::progress;
 use anyhow::Result;
 use compass_core::likelihood::{Mode, Table};
-use compass_core::track::{Estimate, Frame, Track};
+use compass_core::track::{Estimate, Frame, Track, Usual};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use std::time::Instant;
 
 /// From this lead on, nats, a frame's answer is nearly always right.
-const SURE_NATS: f64 = 100.0;
-
-/// So many sure frames tell the height.
-const TELLING: usize = 9;
-/// Heights this many rungs apart are the same: 13 %.
-const ALIKE: u8 = 2;
+const SURE_NATS: f64 = 150.0;
 
 /// What a sequence came to.
 #[derive(Debug)]
@@ -29,10 +24,10 @@ pub struct Followed {
 }
 
 /// Follows the records in the order of time, with the evidence that was kept of them. Where nothing was seen the
-/// estimate stays.
+/// estimate goes on by odometry, or stays.
 ///
-/// Whoever carries the cameras keeps their height: a frame that was searched at another height than the sure ones before
-/// it is searched anew at theirs.
+/// Whoever carries the cameras keeps their height, and a storey its ceiling: a frame that found other heights than the
+/// sure ones before it is searched anew with [theirs](Usual).
 ///
 /// # Errors
 /// Names a file of evidence that cannot be read.
@@ -43,36 +38,28 @@ pub fn follow(
     odometry: Option<&Trajectory>,
 ) -> Result<Followed> {
     let mut track = Track::new();
-    let (mut before, mut sure): (Option<u64>, Vec<i8>) = (None, Vec::new());
+    let (mut before, mut usual): (Option<u64>, Usual) = (None, Usual::new());
+    let nothing = Box::new(Table::EMPTY);
     let (mut estimates, mut seconds, mut steps) = (Vec::with_capacity(records.len()), 0.0, 0);
     let bar = progress(records.len(), "following");
     for record in records {
         bar.inc(1);
+        let seconds_since = before.map_or(0.0, |before| (record.timestamp_ns - before) as f32 / 1e9);
+        let motion = before.zip(odometry).and_then(|(before, way)| way.motion(before, record.timestamp_ns));
         if record.problem.is_some() {
-            estimates.push(track.estimate(locator.sheets()));
+            if motion.is_some() {
+                let frame = Frame { table: &nothing, modes: &[], seconds: seconds_since, motion };
+                estimates.push(track.step(locator.sheets(), &frame));
+                before = Some(record.timestamp_ns);
+            } else {
+                estimates.push(track.estimate(locator.sheets()));
+            }
             continue;
         }
         let evidence = Evidence::read(&job.evidence_file(record.timestamp_ns))?;
         let started = Instant::now();
-        if record.margin() >= SURE_NATS {
-            sure.push(record.height);
-        }
-        let usual = usual(&sure).unwrap_or(record.height);
-        // What a frame found itself is kept where it is near.
-        let height = if usual.abs_diff(record.height) <= ALIKE { record.height } else { usual };
-        let modes: Vec<Mode> = if height == record.height {
-            record.single.iter().map(Mode::from).collect()
-        } else {
-            locator.explain(|table| evidence.table(height, table)).modes().to_vec()
-        };
-        let mut table = Box::new(Table::EMPTY);
-        evidence.table(height, &mut table);
-        let frame = Frame {
-            table: &table,
-            modes: &modes,
-            seconds: before.map_or(0.0, |before| (record.timestamp_ns - before) as f32 / 1e9),
-            motion: before.zip(odometry).and_then(|(before, way)| way.motion(before, record.timestamp_ns)),
-        };
+        let modes = explain(record, &evidence, &mut usual, locator);
+        let frame = Frame { table: locator.table(), modes: &modes, seconds: seconds_since, motion };
         estimates.push(track.step(locator.sheets(), &frame));
         seconds += started.elapsed().as_secs_f64();
         steps += 1;
@@ -82,11 +69,20 @@ pub fn follow(
     Ok(Followed { estimates, milliseconds: 1e3 * seconds / f64::from(steps.max(1)) })
 }
 
-/// The median height of the last sure frames, rungs.
-fn usual(sure: &[i8]) -> Option<i8> {
-    let mut last = sure[sure.len().saturating_sub(TELLING)..].to_vec();
-    last.sort_unstable();
-    last.get(last.len() / 2).copied()
+/// The poses that explain a frame with the usual heights; the locator's table has its evidence.
+fn explain(record: &Record, evidence: &Evidence, usual: &mut Usual, locator: &mut Locator<'_>) -> Vec<Mode> {
+    if record.margin() >= SURE_NATS {
+        usual.learn(record.height, record.ceiling);
+    }
+    let (survey, sighting) = (evidence.survey(), evidence.sighting());
+    // What a frame found itself is kept where it is near.
+    if usual.is_like(record.height, record.ceiling) {
+        locator.weigh(&survey, [record.height, record.ceiling], &sighting);
+        return record.single.iter().map(Mode::from).collect();
+    }
+    let fix = locator.locate(&survey, usual.room(), &sighting);
+    locator.weigh(&survey, [fix.height, fix.ceiling], &sighting);
+    fix.answer.modes().to_vec()
 }
 
 /// A pose of cam0 with all its axes: z is its height above the floor, and the frame tells which way is up.
@@ -126,6 +122,7 @@ mod tests {
             up: Some(up),
             height_m: 1.4,
             height: -1,
+            ceiling: 0,
             single: Vec::new(),
             oracle: Vec::new(),
             plain: Vec::new(),

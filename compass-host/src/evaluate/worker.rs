@@ -11,11 +11,11 @@ use crate::site;
 use anyhow::{Context as _, Result};
 use compass_core::boundary::{NOMINAL_HEIGHT_M, Ranges, height_rungs};
 use compass_core::likelihood::Mode;
+use compass_core::locate::Room;
 use compass_core::num::BINS;
 use compass_core::scan::Scan;
 use compass_core::sight;
 use compass_core::similarity::{Confidence, Similarity};
-use compass_core::windows::level::Sighting;
 use std::collections::BTreeMap;
 
 /// Sizes of the frames of the two cameras.
@@ -27,6 +27,7 @@ pub struct Worker<'a> {
     /// One for each combination of cameras that occurred.
     eyes: Vec<(Sizes, Eyes)>,
     locator: Locator<'a>,
+    ranges: Box<Ranges>,
     /// The paper's, floor by floor.
     papers: Vec<Localizer<'a>>,
 }
@@ -45,7 +46,7 @@ impl<'a> Worker<'a> {
     pub fn new(job: &'a Job<'a>) -> Result<Self, NoPlan> {
         let locator = Locator::new(job.storeys)?;
         let papers = job.storeys.iter().map(|storey| Localizer::new(storey.map)).collect();
-        Ok(Self { job, eyes: Vec::new(), locator, papers })
+        Ok(Self { job, eyes: Vec::new(), locator, ranges: Box::new(Ranges::EMPTY), papers })
     }
 
     /// Localizes a frame in every way and keeps its evidence.
@@ -64,6 +65,7 @@ impl<'a> Worker<'a> {
             problem: None,
             up: None,
             height: 0,
+            ceiling: 0,
             height_m: self.job.height_m.unwrap_or(NOMINAL_HEIGHT_M),
             single: Vec::new(),
             oracle: Vec::new(),
@@ -72,9 +74,9 @@ impl<'a> Worker<'a> {
             milliseconds: BTreeMap::new(),
         };
         match self.see(frames, &mut clock)? {
-            Ok((sighting, ranges, up)) => {
+            Ok((evidence, up)) => {
                 record.up = Some(up);
-                self.search(&sighting, &ranges, &mut record, &mut clock)?;
+                self.search(&evidence, &mut record, &mut clock)?;
             }
             Err(problem) => record.problem = Some(problem.to_string()),
         }
@@ -84,13 +86,12 @@ impl<'a> Worker<'a> {
     }
 
     /// What the eyes make of the frames, or why they make nothing of them.
-    #[expect(clippy::type_complexity)]
     fn see(
         &mut self,
         frames: [Option<&Frame>; 2],
         clock: &mut Clock,
-    ) -> Result<Result<(Sighting, Ranges, [f32; 3]), EyesError>> {
-        let (mount, height_m) = (self.job.mount, self.job.height_m);
+    ) -> Result<Result<(Evidence, [f32; 3]), EyesError>> {
+        let mount = self.job.mount;
         let eyes = self.eyes(frames.map(|frame| frame.map(|frame| (frame.width(), frame.height()))))?;
         let mut see = || {
             eyes.detect(frames)?;
@@ -100,9 +101,9 @@ impl<'a> Worker<'a> {
             let seen = eyes.windows(frames, &up)?;
             let (sighting, up) = (seen.sighting, seen.level.up());
             clock.stage("windows");
-            let ranges = eyes.ranges(frames, &up, height_m)?.clone();
+            let evidence = Evidence::new(&eyes.survey(frames, &up)?, &sighting);
             clock.stage("ranges");
-            Ok((sighting, ranges, [up.x, up.y, up.z]))
+            Ok((evidence, [up.x, up.y, up.z]))
         };
         Ok(see())
     }
@@ -120,23 +121,19 @@ impl<'a> Worker<'a> {
     }
 
     /// Ours and the paper's.
-    fn search(
-        &mut self,
-        sighting: &Sighting,
-        ranges: &Ranges,
-        record: &mut Record,
-        clock: &mut Clock,
-    ) -> Result<()> {
-        let fix = self.locator.locate(ranges, self.job.height_m.map(height_rungs), sighting);
+    fn search(&mut self, evidence: &Evidence, record: &mut Record, clock: &mut Clock) -> Result<()> {
+        let (survey, sighting) = (evidence.survey(), evidence.sighting());
+        let room = Room { height: self.job.height_m.map(height_rungs), ceiling: None };
+        let fix = self.locator.locate(&survey, room, &sighting);
         clock.stage("locate");
         record.height_m = self.job.height_m.unwrap_or_else(|| fix.height_m());
         // A score of 0 says nothing.
         record.single = Found::all(&fix.answer).into_iter().filter(|found| found.score > 0).collect();
-        record.height = fix.height;
-        let evidence = Evidence::new(|height, table| sight::evidence(ranges, height, sighting, table));
+        (record.height, record.ceiling) = (fix.height, fix.ceiling);
         evidence.write(&self.job.evidence_file(record.timestamp_ns))?;
         clock.stage("write");
-        let (scan, confidence) = sight::scan(ranges, fix.height, sighting);
+        survey.ranges(fix.ceiling, &mut self.ranges);
+        let (scan, confidence) = sight::scan(&self.ranges, fix.height, &sighting);
         record.plain = self.paper(&scan, &confidence, Similarity::Plain)?;
         clock.stage("paper_plain");
         record.centred = self.paper(&scan, &confidence, Similarity::Centred)?;

@@ -3,8 +3,9 @@
 //! Memory is shared as on a board: once the segments of both frames are known, the detector's buffers hold the ring.
 
 use compass_core::attitude::{self, Arc, Hint, Vertical};
-use compass_core::boundary::{self, Ranges, Surveyor};
+use compass_core::boundary::{self, Survey, Surveyor};
 use compass_core::camera::{Bearing, Camera, Intrinsics, KannalaBrandt, Rig, View};
+use compass_core::num::BINS;
 use compass_core::raster::{BitMask, GrayImage};
 use compass_core::segments::{self, Segment, detect};
 use compass_core::windows::level::{
@@ -52,7 +53,8 @@ pub struct Eyes {
     columns: [Column; RING.columns() + 1],
     pub(crate) windows: [Window; WINDOWS],
     pub(crate) sighting: Option<Sighting>,
-    pub(crate) ranges: Ranges,
+    /// Bins of which floor or ceiling was seen.
+    known: [bool; BINS],
 }
 
 impl Eyes {
@@ -70,7 +72,7 @@ impl Eyes {
             columns: [Column::EMPTY; RING.columns() + 1],
             windows: [Window::EMPTY; WINDOWS],
             sighting: None,
-            ranges: Ranges::EMPTY,
+            known: [false; BINS],
         }
     }
 
@@ -135,7 +137,13 @@ impl Eyes {
         for (camera, (_, red)) in FRAMES.iter().enumerate() {
             surveyor.add(camera, &gray(camera), Red::Mask(red_mask(red)));
         }
-        surveyor.finish(None, &mut self.ranges);
+        self.known = *surveyor.finish().known();
+    }
+
+    /// What was seen of floor and ceiling.
+    pub(crate) fn evidence(&self) -> Survey<'_> {
+        let cells: &[u8] = bytemuck::cast_slice(&self.cells);
+        Survey::new(&cells[..boundary::CELLS], self.known).expect("as many cells as it has")
     }
 }
 

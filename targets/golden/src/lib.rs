@@ -11,10 +11,10 @@
 
 mod eyes;
 
-use compass_core::boundary::{self, height_rungs};
+use compass_core::boundary::{Ranges, height_rungs};
 use compass_core::descriptor::Descriptor;
 use compass_core::likelihood::{Mode, Rows, Sheet, Table};
-use compass_core::locate::{Fix, Work, locate};
+use compass_core::locate::{Fix, Room, Work, locate};
 use compass_core::matching::{Answer, Board, Exact, GROUP, Group, Index, Match, exhaustive, shortlist};
 use compass_core::num::{BINS, Metres, Point, Score, Turn, Unit};
 use compass_core::plan::Plan;
@@ -122,6 +122,7 @@ pub struct Workspace {
     exact_pool: [Match; EXACT_POOL],
     proven: Option<Answer>,
     eyes: Eyes,
+    ranges: Ranges,
     table: Table,
     rows: Rows<HEADINGS>,
     modes: [Mode; MODES],
@@ -186,6 +187,7 @@ impl Workspace {
             exact_pool: [Match::NONE; EXACT_POOL],
             proven: None,
             eyes: Eyes::new(),
+            ranges: Ranges::EMPTY,
             table: Table::EMPTY,
             rows: Rows::BLANK,
             modes: [Mode::NONE; MODES],
@@ -286,8 +288,9 @@ pub const STAGES: &[Stage] = &[
         name: "ranges",
         run: |_, w| w.eyes.survey(),
         checksum: |w| {
-            let rows = (0..boundary::RUNGS).map(|rung| w.eyes.ranges.row(rung, 0));
-            checksum(rows.flatten().map(|value| value.cast_unsigned().into()))
+            let survey = w.eyes.evidence();
+            let known = survey.known().iter().copied().map(u32::from);
+            checksum(survey.cells().iter().copied().map(u32::from).chain(known))
         },
     },
     Stage { name: "locate", run: locate_frames, checksum: |w| checksum(fix_words(w.fix.as_ref())) },
@@ -463,11 +466,12 @@ fn exact(inputs: &Inputs<'_>, workspace: &mut Workspace) {
 
 /// The pose of the frames, from what the eyes saw: searched on the whole map and refined on the plan.
 fn locate_frames(inputs: &Inputs<'_>, workspace: &mut Workspace) {
-    let Workspace { eyes, table, rows, modes, fix, .. } = workspace;
+    let Workspace { eyes, ranges, table, rows, modes, fix, .. } = workspace;
     let Some(sighting) = &eyes.sighting else { return };
+    let room = Room { height: Some(height_rungs(CAMERA_HEIGHT_M)), ceiling: None };
     let sheets = [Sheet { map: inputs.map(), layer: 0, plan: inputs.plan(), floor: 0 }];
-    let mut work = Work { table, rows, pool: modes, modes: REFINED };
-    *fix = Some(locate(&eyes.ranges, Some(height_rungs(CAMERA_HEIGHT_M)), sighting, &sheets, &mut work));
+    let mut work = Work { ranges, table, rows, pool: modes, modes: REFINED, ceilings: 1 };
+    *fix = Some(locate(&eyes.evidence(), room, sighting, &sheets, &mut work));
 }
 
 /// The belief after the frames were seen twice, a fifth of a second and a few centimetres apart by odometry.
@@ -484,7 +488,10 @@ fn track_frames(inputs: &Inputs<'_>, workspace: &mut Workspace) {
 
 /// All poses with their scores, and the height.
 fn fix_words(fix: Option<&Fix>) -> impl Iterator<Item = u32> + '_ {
-    fix.into_iter().flat_map(|fix| fix.answer.modes().iter().flat_map(mode_words).chain([fix.height as u32]))
+    fix.into_iter().flat_map(|fix| {
+        let heights = [fix.height as u32, fix.ceiling as u32];
+        fix.answer.modes().iter().flat_map(mode_words).chain(heights)
+    })
 }
 
 /// The likeliest pose, its probability and the spread.

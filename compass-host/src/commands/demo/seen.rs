@@ -18,6 +18,8 @@ use crate::site::{BuildOptions, PackedPlan};
 use crate::site_file::{SiteFile, floor_bytes};
 use crate::surroundings::Surroundings;
 use anyhow::{Context as _, Result};
+use compass_core::boundary::Ranges;
+use compass_core::locate::Room;
 use std::path::Path;
 use std::time::Instant;
 
@@ -61,11 +63,13 @@ pub(super) fn run(dir: &Path, raster: &PlanRaster, plan: &PackedPlan) -> Result<
     let up = eyes.vertical(frames, Mount::Inverted)?.up;
     let seen = eyes.windows(frames, &up)?;
     let (sighting, level, windows) = (seen.sighting, seen.level, seen.windows.to_vec());
-    let ranges = eyes.ranges(frames, &up, None)?;
-    let fix = locator.locate(ranges, None, &sighting);
+    let survey = eyes.survey(frames, &up)?;
+    let fix = locator.locate(&survey, Room::default(), &sighting);
     let milliseconds = started.elapsed().as_secs_f64() * 1e3;
     let height_m = fix.height_m();
-    let surroundings = Surroundings::new(ranges, &sighting, Some(height_m));
+    let mut ranges = Box::new(Ranges::EMPTY);
+    survey.ranges(fix.ceiling, &mut ranges);
+    let surroundings = Surroundings::new(&ranges, &sighting, Some(height_m));
     let truth = plan.scan([x, y], heading)?;
     let (plan, surroundings) = (Some(&truth), Some(&surroundings));
     Found { frames, eyes: &eyes, level, windows: &windows, sighting: &sighting, surroundings, plan }
