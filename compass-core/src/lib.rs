@@ -41,6 +41,7 @@
 #[cfg(test)]
 extern crate std;
 
+pub mod as_built;
 pub mod attitude;
 pub mod boundary;
 pub mod camera;

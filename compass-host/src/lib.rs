@@ -1,6 +1,7 @@
 //! The host side of COMPASS: plans and datasets in, site maps, poses, figures and reports out, and the
 //! float reference that `compass-core` is checked against.
 
+pub mod as_built;
 pub mod calibration;
 mod clock;
 pub mod commands;

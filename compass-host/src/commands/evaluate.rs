@@ -2,11 +2,13 @@
 
 use super::Outcome;
 use super::cameras::height;
+use crate::as_built::WallsSeen;
 use crate::calibration::Calibration;
 use crate::dataset::euroc::{self, Shot};
 use crate::dataset::trajectory::Trajectory;
 use crate::dataset::tum::{self, Pose};
 use crate::evaluate::report::{self, Shown, Story};
+use crate::evaluate::sequence::Followed;
 use crate::evaluate::{Found, Job, Journal, Judge, Misses, Record, Row, localize, sequence};
 use crate::eyes::Mount;
 use crate::locator::Locator;
@@ -24,9 +26,6 @@ use output::{Frame, Output, Placed, Tracked};
 
 /// The ways of localizing, in the order of the report.
 const ROWS: [&str; 5] = ["single", "track", "oracle", "paper, plain", "paper, centred"];
-/// Frames of the track count as sure from this probability.
-const SURE: f32 = 0.9;
-
 #[derive(Debug, clap::Args)]
 pub(super) struct Evaluate {
     /// The site file
@@ -108,7 +107,7 @@ impl Evaluate {
             .zip(&followed.estimates)
             .map(|(record, estimate)| Finished::new(record, estimate.as_ref(), &judge, &truth))
             .collect();
-        self.write(&job, &finished, resumed, followed.milliseconds)?;
+        self.write(&job, &finished, resumed, &followed)?;
         Ok(Outcome::Done)
     }
 
@@ -155,7 +154,13 @@ impl Evaluate {
     }
 
     /// Writes trajectories, report and result.
-    fn write(&self, job: &Job<'_>, finished: &[Finished<'_>], resumed: usize, track_ms: f64) -> Result<()> {
+    fn write(
+        &self,
+        job: &Job<'_>,
+        finished: &[Finished<'_>],
+        resumed: usize,
+        followed: &Followed,
+    ) -> Result<()> {
         let single = finished
             .iter()
             .filter_map(|frame| Some(sequence::pose(frame.record, frame.record.single.first()?)));
@@ -168,9 +173,12 @@ impl Evaluate {
         let scored: Vec<_> = finished.iter().filter(|frame| frame.truth.is_some()).collect();
         let misses = |row: usize| -> Vec<Misses> { scored.iter().map(|frame| frame.misses[row]).collect() };
         let rows: Vec<Row> = ROWS.iter().enumerate().map(|(n, name)| Row::of(name, &misses(n))).collect();
-        let sure = scored.iter().filter(|frame| frame.estimate.is_some_and(|e| e.probability >= SURE));
+        let sure =
+            scored.iter().filter(|frame| frame.estimate.is_some_and(|e| e.probability >= sequence::SURE));
         let sure = Row::of("track, sure", &sure.map(|frame| frame.misses[1]).collect::<Vec<_>>());
-        let milliseconds = means(finished, track_ms);
+        let milliseconds = means(finished, followed.milliseconds);
+        let walls = &followed.walls;
+        walls.write(&self.out.join("walls.csv"))?;
         let path = self.out.join("report.html");
         let storey = job.storeys.get(job.floor).context("no such floor")?;
         let plan = storey.floor.and_then(|floor| floor.plan(0)).context("the floor has no plan")?;
@@ -184,6 +192,7 @@ impl Evaluate {
             frames: &shown,
             right: &right,
             milliseconds: &milliseconds,
+            walls,
         };
         report::write(&self.out, &story)?;
         let output = Output {
@@ -193,6 +202,7 @@ impl Evaluate {
             unseen: finished.iter().filter(|frame| frame.record.problem.is_some()).count(),
             rows: rows.into_iter().chain([sure]).collect(),
             milliseconds: milliseconds.iter().map(|(stage, ms)| (stage.clone(), Decimal(*ms))).collect(),
+            walls: WallsSeen::of(walls),
             report: path,
             results: finished.iter().map(|frame| frame.output(job.storeys)).collect(),
         };

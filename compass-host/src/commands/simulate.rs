@@ -4,7 +4,7 @@ use super::Outcome;
 use super::plan::{PlanArgs, finite};
 use crate::calibration::{Calibration, NOMINAL_YAML};
 use crate::dataset::tum::{self, Pose};
-use crate::output::{Decimal, JsonOption, write_file};
+use crate::output::{Decimal, JsonOption, write_file, write_png};
 use crate::plan_import::PlanRaster;
 use crate::simulate::dataset::{self, Format};
 use crate::simulate::{Renderer, Scene, SceneOptions};
@@ -89,6 +89,7 @@ impl Simulate {
         let renderer = Renderer::new(&scene, &rig, self.samples);
         let format = if self.png { Format::Png } else { Format::Jpeg(self.quality) };
         dataset::write(&self.out, &renderer, &poses, format)?;
+        write_png(&self.out.join("as_built.png"), &scene.as_built())?;
         if self.calib.is_none() {
             write_file(&self.out.join("calibration.yaml"), NOMINAL_YAML.as_bytes())?;
         }

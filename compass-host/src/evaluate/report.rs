@@ -1,6 +1,7 @@
 //! The report of an evaluation: its pictures and its page.
 
 use super::Row;
+use crate::as_built::Walls;
 use crate::figures::{self, ErrorCurve, ErrorSeries, Fix, PlanPicture, TrajectoryPicture};
 use crate::report::{Picture, Section, Table, write_html};
 use anyhow::Result;
@@ -47,6 +48,8 @@ pub struct Story<'a> {
     pub right: &'a [Option<bool>],
     /// Mean milliseconds by stage.
     pub milliseconds: &'a [(String, f64)],
+    /// What was seen of the plan's walls.
+    pub walls: &'a Walls,
 }
 
 /// Draws the pictures and writes `report.html`.
@@ -68,6 +71,8 @@ pub fn write(dir: &Path, story: &Story<'_>) -> Result<()> {
     let pairs = story.frames.iter().zip(story.right);
     let answers: Vec<_> = pairs.filter_map(|(frame, right)| Some((frame.margin, (*right)?))).collect();
     figures::draw_reliability(&dir.join("reliability.png"), &answers)?;
+    let track: Vec<_> = story.frames.iter().filter_map(|frame| frame.track).collect();
+    with_plan(&story.plan, |plan| figures::draw_as_built(&dir.join("walls.png"), plan, story.walls, &track))?;
     Ok(write_html(&dir.join("report.html"), story.title, &sections(story))?)
 }
 
@@ -141,6 +146,16 @@ fn sections(story: &Story<'_>) -> Vec<Section> {
         Section {
             title: "When to believe it".into(),
             pictures: vec![picture("reliability.png", "Right answers by margin")],
+            ..Section::default()
+        },
+        Section {
+            title: "As built".into(),
+            text: vec![
+                "Where the track was sure: do the walls of the plan stand where they are drawn, or does one look \
+                 through them? What hides a wall says nothing."
+                    .into(),
+            ],
+            pictures: vec![picture("walls.png", "Walls of the plan, as they were seen")],
             ..Section::default()
         },
         Section { title: "Worst frames".into(), tables: vec![worst(story)], ..Section::default() },

@@ -1,6 +1,7 @@
 //! The track of a recording, and trajectories to write.
 
 use super::{Evidence, Found, Job, Record};
+use crate::as_built::Walls;
 use crate::dataset::trajectory::Trajectory;
 use crate::dataset::tum::Pose;
 use crate::locator::Locator;
@@ -21,13 +22,18 @@ pub struct Followed {
     pub estimates: Vec<Option<Estimate>>,
     /// Mean time of a step, milliseconds.
     pub milliseconds: f64,
+    /// What was seen of the walls of the floor that the truth lies on, where the track was sure.
+    pub walls: Walls,
 }
+
+/// From this probability on the track is sure.
+pub const SURE: f32 = 0.9;
 
 /// Follows the records in the order of time, with the evidence that was kept of them. Where nothing was seen the
 /// estimate goes on by odometry, or stays.
 ///
-/// Whoever carries the cameras keeps their height, and a storey its ceiling: a frame that found other heights than the
-/// sure ones before it is searched anew with [theirs](Usual).
+/// Whoever carries the cameras keeps their height, and a storey its ceiling: a frame that is not sure and found other
+/// heights than the sure ones before it is searched anew with [theirs](Usual), and the answer that leads by more counts.
 ///
 /// # Errors
 /// Names a file of evidence that cannot be read.
@@ -39,7 +45,8 @@ pub fn follow(
 ) -> Result<Followed> {
     let mut track = Track::new();
     let (mut before, mut usual): (Option<u64>, Usual) = (None, Usual::new());
-    let nothing = Box::new(Table::EMPTY);
+    let (nothing, mut walls) = (Box::new(Table::EMPTY), Walls::default());
+    let plan = job.storeys.get(job.floor).and_then(|storey| storey.floor?.plan(0));
     let (mut estimates, mut seconds, mut steps) = (Vec::with_capacity(records.len()), 0.0, 0);
     let bar = progress(records.len(), "following");
     for record in records {
@@ -60,29 +67,39 @@ pub fn follow(
         let started = Instant::now();
         let modes = explain(record, &evidence, &mut usual, locator);
         let frame = Frame { table: locator.table(), modes: &modes, seconds: seconds_since, motion };
-        estimates.push(track.step(locator.sheets(), &frame));
+        let estimate = track.step(locator.sheets(), &frame);
         seconds += started.elapsed().as_secs_f64();
+        let on_floor = |mode: &Mode| {
+            locator.sheets().get(usize::from(mode.sheet)).is_some_and(|s| usize::from(s.floor) == job.floor)
+        };
+        if let Some((plan, sure)) = plan.zip(estimate.filter(|e| e.probability >= SURE && on_floor(&e.mode)))
+        {
+            walls.add(&plan, &sure.mode, locator.table());
+        }
+        estimates.push(estimate);
         steps += 1;
         before = Some(record.timestamp_ns);
     }
     bar.finish_and_clear();
-    Ok(Followed { estimates, milliseconds: 1e3 * seconds / f64::from(steps.max(1)) })
+    Ok(Followed { estimates, milliseconds: 1e3 * seconds / f64::from(steps.max(1)), walls })
 }
 
 /// The poses that explain a frame with the usual heights; the locator's table has its evidence.
 fn explain(record: &Record, evidence: &Evidence, usual: &mut Usual, locator: &mut Locator<'_>) -> Vec<Mode> {
-    if record.margin() >= SURE_NATS {
+    let is_sure = record.margin() >= SURE_NATS;
+    if is_sure {
         usual.learn(record.height, record.ceiling);
     }
     let (survey, sighting) = (evidence.survey(), evidence.sighting());
-    // What a frame found itself is kept where it is near.
-    if usual.is_like(record.height, record.ceiling) {
-        locator.weigh(&survey, [record.height, record.ceiling], &sighting);
-        return record.single.iter().map(Mode::from).collect();
+    if !is_sure && !usual.is_like(record.height, record.ceiling) {
+        let fix = locator.locate(&survey, usual.room(), &sighting);
+        if f64::from(fix.answer.margin()) / 16.0 > record.margin() {
+            locator.weigh(&survey, [fix.height, fix.ceiling], &sighting);
+            return fix.answer.modes().to_vec();
+        }
     }
-    let fix = locator.locate(&survey, usual.room(), &sighting);
-    locator.weigh(&survey, [fix.height, fix.ceiling], &sighting);
-    fix.answer.modes().to_vec()
+    locator.weigh(&survey, [record.height, record.ceiling], &sighting);
+    record.single.iter().map(Mode::from).collect()
 }
 
 /// A pose of cam0 with all its axes: z is its height above the floor, and the frame tells which way is up.

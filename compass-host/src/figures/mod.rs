@@ -5,6 +5,7 @@
 //! safe palette in which wall, window and open keep their colours from figure to figure.
 //! A file appears only when it is complete.
 
+mod as_built;
 mod axes;
 mod canvas;
 mod correlation;
@@ -27,6 +28,7 @@ mod text;
 mod timeline;
 mod trajectory;
 
+pub use as_built::draw_as_built;
 pub use correlation::{Curve, Shifts, draw_correlation};
 pub use descriptor::{draw_descriptor, draw_descriptors};
 pub use errors::{ErrorSeries, draw_error_cdf};

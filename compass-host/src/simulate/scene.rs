@@ -1,12 +1,13 @@
 //! A plan furnished for rendering: what was not built, what the surfaces look like, what stands around, and how
 //! light comes in.
 
-use super::grid::{FREE, Grid, OUTSIDE, WALL};
+use super::grid::{FREE, GLASS, Grid, OUTSIDE, WALL};
 use super::light::Light;
 use super::panes::Panes;
 use super::solids::{Shape, Solid};
 use super::texture::{hash, unit};
 use crate::plan_import::PlanRaster;
+use image::{Rgb, RgbImage};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
@@ -168,6 +169,19 @@ impl Scene {
         let light = Light::new(&grid);
         let boxes = clutter(&grid, options);
         Self { options: *options, look, grid, panes, light, boxes }
+    }
+
+    /// The plan as it was built, without the walls that are missing: walls black, glazing red. Row 0 is the northernmost.
+    #[must_use]
+    pub fn as_built(&self) -> RgbImage {
+        let grid = &self.grid;
+        RgbImage::from_fn(grid.width as u32, grid.height as u32, |x, row| {
+            match grid.cell(i64::from(x), grid.height as i64 - 1 - i64::from(row)) {
+                WALL => Rgb([0; 3]),
+                GLASS => Rgb([255, 0, 0]),
+                _ => Rgb([255; 3]),
+            }
+        })
     }
 
     /// Height of the ceiling above the floor, metres.

@@ -1,5 +1,6 @@
 //! The result of an evaluation for people and programs.
 
+use crate::as_built::WallsSeen;
 use crate::evaluate::{Found, Misses, Row};
 use crate::output::Decimal;
 use serde::Serialize;
@@ -18,6 +19,7 @@ pub(super) struct Output<'a> {
     pub(super) unseen: usize,
     pub(super) rows: Vec<Row>,
     pub(super) milliseconds: BTreeMap<String, Decimal>,
+    pub(super) walls: WallsSeen,
     pub(super) report: PathBuf,
     pub(super) results: Vec<Frame<'a>>,
 }

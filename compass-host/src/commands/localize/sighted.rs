@@ -1,6 +1,7 @@
 //! The pose of camera frames.
 
 use super::{Pose, milliseconds};
+use crate::as_built::{Walls, WallsSeen};
 use crate::clock::Clock;
 use crate::commands::Outcome;
 use crate::commands::cameras::{CameraArgs, Cameras};
@@ -36,6 +37,8 @@ struct Output<'a> {
     /// That the pose is within 1 m of the true one.
     probability: Decimal,
     candidates: Vec<Pose<'a>>,
+    /// Which walls of the plan as drawn stand, by this pair of frames.
+    walls: WallsSeen,
     #[serde(skip_serializing_if = "Option::is_none")]
     position_error_m: Option<Decimal>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -93,6 +96,13 @@ pub(super) fn run(
         return Ok(Outcome::No);
     }
     let errors = truth.map(|(at, heading)| best.error(at, heading));
+    locator.weigh(&survey, [fix.height, fix.ceiling], &sighting);
+    let mut walls = Walls::default();
+    let sheet = locator.sheets().get(usize::from(mode.sheet));
+    let storey = sheet.and_then(|sheet| storeys.get(usize::from(sheet.floor)));
+    if let Some(plan) = storey.and_then(|storey| storey.floor?.plan(0)) {
+        walls.add(&plan, mode, locator.table());
+    }
     let layer = locator.sheets().get(usize::from(mode.sheet)).map_or(0, |sheet| usize::from(sheet.layer));
     let output = Output {
         floor: best.floor,
@@ -106,6 +116,7 @@ pub(super) fn run(
         margin: nats(fix.answer.margin()),
         probability: Decimal(probability),
         candidates: poses,
+        walls: WallsSeen::of(&walls),
         position_error_m: errors.map(|(metres, _)| Decimal(metres)),
         heading_error_deg: errors.map(|(_, degrees)| Decimal(degrees)),
         milliseconds: milliseconds(&clock),

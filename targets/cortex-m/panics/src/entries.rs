@@ -2,7 +2,8 @@
 //! `core::fmt`'s.
 
 use compass_core::attitude::{self, Arc, Axes, Vertical};
-use compass_core::boundary::{self, Ranges, Surveyor};
+use compass_core::as_built;
+use compass_core::boundary::{self, Ranges, Survey, Surveyor};
 use compass_core::camera::{Camera, Equidistant, Eucm, KannalaBrandt, Rig, View};
 use compass_core::descriptor::{self, Descriptor};
 use compass_core::likelihood::{self, Mode, Rows, Sheet, Table};
@@ -21,7 +22,7 @@ use compass_core::site_map::{
     self, Header, Layer, LayerView, PackedScan, Record, Sink, SiteMap, Sketch, SketchQuery,
 };
 use compass_core::spectrum::{self, Correlator, Extent};
-use compass_core::track::Track;
+use compass_core::track::{Track, Usual};
 use compass_core::windows::level::{self, Edge, Finder, Level, Resolution, Upright, Window};
 use compass_core::windows::paper;
 
@@ -195,6 +196,10 @@ pub(crate) static ALL: &[Entry] = &entries![
     Surveyor::finish,
     boundary::height_rungs,
     boundary::height_m,
+    Survey::new,
+    Survey::ceilings,
+    Survey::ranges,
+    Survey::likeliest,
     Ranges::ceiling_ratio,
     Ranges::heights,
     Ranges::knows,
@@ -202,10 +207,15 @@ pub(crate) static ALL: &[Entry] = &entries![
     Ranges::range,
     sight::evidence,
     sight::scan,
+    as_built::compare,
     // locate, track
     locate::locate::<HEADINGS>,
     Fix::height_m,
     Fix::probability,
+    Fix::is_sure,
+    Usual::learn,
+    Usual::room,
+    Usual::is_like,
     Track::step,
     Track::estimate,
     hypotheses,
