@@ -5,9 +5,9 @@
 //! | `pinhole` | `equidistant` | fx, fy, cx, cy | k1 to k4, of theta^3 to theta^9 |
 //! | `eucm` | `none` | alpha, beta, fx, fy, cx, cy | none |
 //!
-//! Cameras `cam0` and `cam1` are read, anything else is passed over. How cam1 lies to cam0 is taken from
-//! `T_cam_imu` of both, or from `T_cn_cnm1` of cam1. A first line `%YAML:1.0`, as `OpenCV` writes it, is
-//! accepted.
+//! Cameras `cam0` and `cam1` are read, and `rostopic` of `imu0`; anything else is passed over. How cam1 lies
+//! to cam0 is taken from `T_cam_imu` of both, or from `T_cn_cnm1` of cam1. A first line `%YAML:1.0`, as
+//! `OpenCV` writes it, is accepted.
 
 use std::path::{Path, PathBuf};
 
@@ -16,6 +16,7 @@ use nalgebra::{Matrix3, Matrix4, Vector3};
 use serde::Deserialize;
 use thiserror::Error;
 
+use crate::dataset::imu::Gravity;
 use crate::image_file::one_line;
 use crate::reference::camera::{Camera, Model};
 
@@ -104,6 +105,8 @@ pub struct CalibratedCamera {
     pub from_previous: Option<Matrix4<f64>>,
     /// `timeshift_cam_imu`: seconds to add to the image's time to have the IMU's; 0 when not given.
     pub timeshift_s: f64,
+    /// `rostopic`: where its images are in a ROS bag.
+    pub topic: Option<String>,
 }
 
 impl CalibratedCamera {
@@ -154,6 +157,8 @@ pub struct Calibration {
     pub path: PathBuf,
     /// cam0 and cam1, as far as they are in the file.
     pub cameras: [Option<CalibratedCamera>; 2],
+    /// `rostopic` of `imu0`: where its readings are in a ROS bag. Kalibr itself writes it into another file.
+    pub imu_topic: Option<String>,
 }
 
 impl Calibration {
@@ -189,7 +194,11 @@ impl Calibration {
         let read = |number: usize, fields: Option<Fields>| {
             fields.map(|fields| Entry { path, number }.camera(fields)).transpose()
         };
-        Ok(Self { path: path.to_path_buf(), cameras: [read(0, chain.cam0)?, read(1, chain.cam1)?] })
+        Ok(Self {
+            path: path.to_path_buf(),
+            cameras: [read(0, chain.cam0)?, read(1, chain.cam1)?],
+            imu_topic: chain.imu0.and_then(|imu| imu.rostopic),
+        })
     }
 
     /// The rig for images of these sizes (width, height); `None` for a camera that is not used.
@@ -208,6 +217,13 @@ impl Calibration {
         }
         let refused = |source| CalibrationError::Rig { path: self.path.clone(), source };
         Rig::new([front, back]).map_err(refused)
+    }
+
+    /// What the IMU says of gravity, in the axes of cam0; `None` if the file does not tell how the two lie.
+    #[must_use]
+    pub fn in_cam0(&self, gravity: &Gravity) -> Option<Gravity> {
+        let turn = self.cameras[0].as_ref()?.from_imu?;
+        Some(Gravity { up: turn.transform_vector(&gravity.up), ..*gravity })
     }
 
     /// A camera in the place of cam0, for an image of this size.
@@ -294,6 +310,12 @@ fn without_directive(text: &str) -> String {
 struct Chain {
     cam0: Option<Fields>,
     cam1: Option<Fields>,
+    imu0: Option<Imu>,
+}
+
+#[derive(Deserialize)]
+struct Imu {
+    rostopic: Option<String>,
 }
 
 /// One camera as written; what is missing is complained about with the camera's name.
@@ -309,6 +331,7 @@ struct Fields {
     #[serde(rename = "T_cn_cnm1")]
     from_previous: Option<Vec<Vec<f64>>>,
     timeshift_cam_imu: Option<f64>,
+    rostopic: Option<String>,
 }
 
 /// Where a value comes from, for its errors.
@@ -349,6 +372,7 @@ impl Entry<'_> {
             from_imu: transform("T_cam_imu", fields.from_imu)?,
             from_previous: transform("T_cn_cnm1", fields.from_previous)?,
             timeshift_s,
+            topic: fields.rostopic,
         })
     }
 

@@ -39,6 +39,11 @@ pub enum EyesError {
         "cannot tell up from down: no windows, or no sky in them; give --mount upright or inverted, or --up"
     )]
     NoSky,
+    /// Image and IMU tell different directions.
+    #[error(
+        "image and IMU disagree on up by {0:.1} degrees: is the IMU at rest, and its calibration that of this rig?"
+    )]
+    Disagreement(f64),
     /// The detector refused the image.
     #[error("cam{camera}: {source}")]
     Segments {

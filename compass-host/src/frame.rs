@@ -1,6 +1,6 @@
 //! Camera frames: an image file as the gray and colour rasters that the core looks at.
 
-use crate::image_file::{self, ImageFileError, Samples};
+use crate::image_file::{self, ImageFileError, Pixels, Samples};
 use crate::wide::wide;
 use compass_core::camera::Pixel;
 use compass_core::raster::{BitMask, GrayImage};
@@ -23,11 +23,7 @@ impl Frame {
     /// # Errors
     /// [`ImageFileError`] for a file that is missing, no image, damaged, truncated or too large.
     pub fn read(path: &Path) -> Result<Self, ImageFileError> {
-        let image_file::Pixels { width, height, samples } = image_file::read(path)?;
-        Ok(match samples {
-            Samples::Gray(gray) => Self { width, height, gray, rgb: None },
-            Samples::Rgb(rgb) => Self { width, height, gray: to_gray(&rgb), rgb: Some(rgb) },
-        })
+        image_file::read(path).map(Self::from)
     }
 
     /// A frame of samples that are at hand; `None` when a side is 0 or above 65535.
@@ -37,7 +33,7 @@ impl Frame {
         let sides = 1..=image_file::MAX_SIDE;
         let rgb = image.into_raw();
         let good = sides.contains(&width) && sides.contains(&height);
-        good.then(|| Self { width, height, gray: to_gray(&rgb), rgb: Some(rgb) })
+        good.then(|| Self::from(Pixels { width, height, samples: Samples::Rgb(rgb) }))
     }
 
     /// Pixels along x.
@@ -77,6 +73,15 @@ impl Frame {
     #[must_use]
     pub fn rgb(&self) -> Option<&[u8]> {
         self.rgb.as_deref()
+    }
+}
+
+impl From<Pixels> for Frame {
+    fn from(Pixels { width, height, samples }: Pixels) -> Self {
+        match samples {
+            Samples::Gray(gray) => Self { width, height, gray, rgb: None },
+            Samples::Rgb(rgb) => Self { width, height, gray: to_gray(&rgb), rgb: Some(rgb) },
+        }
     }
 }
 

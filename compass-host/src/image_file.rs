@@ -23,25 +23,32 @@ pub enum ImageFileError {
         /// What the system said.
         source: std::io::Error,
     },
-    /// The file is no PNG, JPEG, PGM, BMP or TIFF image.
-    #[error("{}: not a PNG, JPEG, PGM, BMP or TIFF image", path.display())]
-    NotAnImage {
+    /// What is in the file is no image that could be used.
+    #[error("{}: {problem}", path.display())]
+    Decode {
         /// The file.
         path: PathBuf,
+        /// What is wrong with it.
+        problem: DecodeError,
     },
-    /// The file starts as an image but cannot be decoded; a truncated file ends here.
-    #[error("{}: damaged or truncated image: {reason}", path.display())]
+}
+
+/// Why bytes are no image that could be used.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum DecodeError {
+    /// The bytes are no PNG, JPEG, PGM, BMP or TIFF image.
+    #[error("not a PNG, JPEG, PGM, BMP or TIFF image")]
+    NotAnImage,
+    /// The bytes start as an image but cannot be decoded; a truncated file ends here.
+    #[error("damaged or truncated image: {reason}")]
     Damaged {
-        /// The file.
-        path: PathBuf,
         /// What the decoder said, in one line.
         reason: String,
     },
     /// A side of the image is 0 or longer than [`MAX_SIDE`].
-    #[error("{}: {width} x {height} pixels; each side must be 1 to 65535", path.display())]
+    #[error("{width} x {height} pixels; each side must be 1 to 65535")]
     Size {
-        /// The file.
-        path: PathBuf,
         /// Pixels along x.
         width: u32,
         /// Pixels along y.
@@ -97,43 +104,44 @@ impl Pixels {
 pub fn read(path: &Path) -> Result<Pixels, ImageFileError> {
     let bytes =
         std::fs::read(path).map_err(|source| ImageFileError::Read { path: path.to_path_buf(), source })?;
-    let not_an_image = || ImageFileError::NotAnImage { path: path.to_path_buf() };
-    let damaged = |error: ImageError| ImageFileError::Damaged {
-        path: path.to_path_buf(),
-        reason: one_line(&error.to_string()),
-    };
-    let format = image::guess_format(&bytes).map_err(|_| not_an_image())?;
+    decode(&bytes).map_err(|problem| ImageFileError::Decode { path: path.to_path_buf(), problem })
+}
+
+/// Decodes the bytes of an image file.
+///
+/// # Errors
+/// [`DecodeError`] for what is no image, damaged, truncated or too large.
+pub fn decode(bytes: &[u8]) -> Result<Pixels, DecodeError> {
+    let damaged = |error: ImageError| DecodeError::Damaged { reason: one_line(&error.to_string()) };
+    let format = image::guess_format(bytes).map_err(|_| DecodeError::NotAnImage)?;
     if !format.reading_enabled() {
-        return Err(not_an_image());
+        return Err(DecodeError::NotAnImage);
     }
-    if format == ImageFormat::Jpeg && !jpeg_is_complete(&bytes) {
-        return Err(ImageFileError::Damaged {
-            path: path.to_path_buf(),
-            reason: "the JPEG data stops before its end marker".to_owned(),
-        });
+    if format == ImageFormat::Jpeg && !jpeg_is_complete(bytes) {
+        let reason = "the JPEG data stops before its end marker".to_owned();
+        return Err(DecodeError::Damaged { reason });
     }
-    let mut reader = ImageReader::with_format(Cursor::new(&bytes), format);
+    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     let mut limits = Limits::no_limits();
     limits.max_alloc = Some(MAX_DECODED_BYTES);
     reader.limits(limits);
     let decoder = reader.into_decoder().map_err(damaged)?;
     let (width, height) = decoder.dimensions();
-    check_size(path, width, height)?;
+    check_size(width, height)?;
     if decoder.total_bytes() > MAX_DECODED_BYTES {
-        return Err(ImageFileError::Damaged {
-            path: path.to_path_buf(),
-            reason: format!("its header claims {width} x {height} pixels, which need more than 4 GiB"),
-        });
+        let reason = format!("its header claims {width} x {height} pixels, which need more than 4 GiB");
+        return Err(DecodeError::Damaged { reason });
     }
     let image = DynamicImage::from_decoder(decoder).map_err(damaged)?;
     Ok(Pixels { width, height, samples: samples(image) })
 }
 
-fn check_size(path: &Path, width: u32, height: u32) -> Result<(), ImageFileError> {
+/// Whether both sides of an image are within what can be worked with.
+pub(crate) fn check_size(width: u32, height: u32) -> Result<(), DecodeError> {
     if (1..=MAX_SIDE).contains(&width) && (1..=MAX_SIDE).contains(&height) {
         return Ok(());
     }
-    Err(ImageFileError::Size { path: path.to_path_buf(), width, height })
+    Err(DecodeError::Size { width, height })
 }
 
 /// The lines of a message in one.

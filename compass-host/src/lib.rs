@@ -27,4 +27,5 @@ pub mod simulate;
 pub mod site;
 pub mod site_file;
 pub mod surroundings;
+pub mod up;
 mod wide;

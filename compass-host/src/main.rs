@@ -1,7 +1,8 @@
 //! The `compass` command.
 
 use clap::Parser as _;
-use compass_host::commands::{Cli, Disagreement, Outcome};
+use compass_host::commands::{Cli, Outcome};
+use compass_host::eyes::EyesError;
 use std::process::ExitCode;
 
 /// The chain of causes in one line; a cause that the message before it already ends with is not repeated.
@@ -24,7 +25,9 @@ fn main() -> ExitCode {
         Ok(Outcome::No) => ExitCode::from(1),
         Err(error) => {
             eprintln!("compass: {}", one_line(&error));
-            ExitCode::from(if error.is::<Disagreement>() { 1 } else { 2 })
+            // The one error that is an answer.
+            let no = matches!(error.downcast_ref(), Some(EyesError::Disagreement(_)));
+            ExitCode::from(if no { 1 } else { 2 })
         }
     }
 }

@@ -1,5 +1,7 @@
 //! Helpers shared by the tests that span the crates.
 
+pub mod bag;
+
 use compass_core::site_map::SiteMap;
 use compass_host::calibration::{Calibration, NOMINAL_YAML};
 use compass_host::dataset::tum::Pose;

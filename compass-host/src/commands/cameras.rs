@@ -2,15 +2,14 @@
 
 use super::plan::{finite, pair};
 use crate::calibration::Calibration;
-use crate::dataset::imu::{self, Gravity};
+use crate::dataset::imu::{Gravity, Readings};
 use crate::eyes::{Eyes, EyesError, Mount};
 use crate::frame::Frame;
+use crate::up::{UpFrom, UpSources};
 use anyhow::{Result, bail};
-use compass_core::attitude::{Hint, Vertical};
 use compass_core::boundary::HEIGHTS_M;
 use compass_core::camera::Bearing;
 use std::path::PathBuf;
-use thiserror::Error;
 
 /// A calibration and the frames of one or two cameras.
 #[derive(Debug, Clone, clap::Args)]
@@ -47,16 +46,14 @@ pub(super) struct UpArg {
 
 impl UpArg {
     /// The up vector in cam0: that given, or that of the frames whose segments were just detected.
-    pub(super) fn resolve(&self, eyes: &mut Eyes, frames: [Option<&Frame>; 2]) -> Result<Bearing> {
-        match self.up {
-            Some([x, y, z]) => Ok(Bearing::new(x as f32, y as f32, z as f32)),
-            None => Ok(eyes.vertical(frames, self.mount)?.up),
-        }
+    pub(super) fn resolve(&self, eyes: &mut Eyes, frames: [Option<&Frame>; 2]) -> Result<Bearing, EyesError> {
+        self.with(UpFrom::Image, None).resolve(eyes, frames)
     }
 
-    /// The vertical of the frames whose segments were just detected.
-    fn vertical(&self, eyes: &mut Eyes, frames: [Option<&Frame>; 2]) -> Result<Vertical, EyesError> {
-        eyes.vertical(frames, self.mount)
+    /// The up vector as it is given, or from the image or what else there is.
+    fn with(&self, from: UpFrom, imu: Option<Gravity>) -> Up {
+        let given = self.up.map(|[x, y, z]| Bearing::new(x as f32, y as f32, z as f32));
+        Up { given, sources: UpSources { from, mount: self.mount, imu } }
     }
 }
 
@@ -75,24 +72,6 @@ struct ImuArgs {
     up_from: Option<UpFrom>,
 }
 
-/// What tells up.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub(super) enum UpFrom {
-    Image,
-    Imu,
-    Both,
-}
-
-impl UpFrom {
-    pub(super) const fn name(self) -> &'static str {
-        match self {
-            Self::Image => "image",
-            Self::Imu => "imu",
-            Self::Both => "both",
-        }
-    }
-}
-
 impl ImuArgs {
     fn source(&self) -> Result<UpFrom> {
         match (self.up_from, &self.imu) {
@@ -108,91 +87,29 @@ impl ImuArgs {
     /// Gravity in the axes of cam0.
     fn load(&self, calibration: &Calibration) -> Result<Option<Gravity>> {
         let Some(path) = &self.imu else { return Ok(None) };
-        let gravity = imu::gravity(path, self.imu_seconds)?;
-        let Some(turn) = calibration.cameras[0].as_ref().and_then(|camera| camera.from_imu) else {
+        let gravity = Readings::read(path)?.gravity(self.imu_seconds)?;
+        let Some(gravity) = calibration.in_cam0(&gravity) else {
             bail!("{}: cam0.T_cam_imu: missing, and --imu needs it", calibration.path.display());
         };
-        Ok(Some(Gravity { up: turn.transform_vector(&gravity.up), ..gravity }))
+        Ok(Some(gravity))
     }
 }
 
 /// How up is told.
 pub(super) struct Up {
-    told: UpArg,
-    pub(super) from: UpFrom,
-    /// What the IMU says, in the axes of cam0.
-    pub(super) imu: Option<Gravity>,
+    given: Option<Bearing>,
+    /// What tells it where it is not given.
+    pub(super) sources: UpSources,
 }
-
-/// Largest angle between the up vectors of image and IMU that are both right, degrees.
-const AGREEING_DEG: f64 = 10.0;
-
-/// The vertical that the image has near this direction, or if there is none, near its own top or bottom: so that an IMU
-/// that is wrong by much is found out.
-fn near(eyes: &mut Eyes, up: Bearing) -> Result<Vertical, EyesError> {
-    eyes.vertical_near(Hint::Up(up)).or_else(|_| {
-        let mut vertical = eyes.vertical_near(Hint::Axis(Bearing::y()))?;
-        if vertical.up.dot(&up) < 0.0 {
-            vertical.up = -vertical.up;
-        }
-        Ok(vertical)
-    })
-}
-
-/// Image and IMU tell different directions: an answer, but "no".
-#[derive(Debug, Error)]
-#[error(
-    "image and IMU disagree on up by {0:.1} degrees: is the IMU at rest, and its calibration that of this rig?"
-)]
-pub struct Disagreement(f64);
 
 impl Up {
     pub(super) const fn is_given(&self) -> bool {
-        self.told.up.is_some()
+        self.given.is_some()
     }
 
     /// The up vector in cam0: that given, that of the IMU, or that of the frames whose segments were just detected.
-    pub(super) fn resolve(&self, eyes: &mut Eyes, frames: [Option<&Frame>; 2]) -> Result<Bearing> {
-        if self.is_given() {
-            return self.told.resolve(eyes, frames);
-        }
-        let mut vertical = || self.vertical(eyes, frames);
-        match (self.from, self.imu) {
-            (UpFrom::Imu, Some(gravity)) => Ok(gravity.up.cast()),
-            (UpFrom::Both, Some(gravity)) => match vertical() {
-                Ok(vertical) => self.check(&vertical).map(|()| vertical.up),
-                // Where nothing upright is in view, gravity still is.
-                Err(EyesError::NoVertical) => Ok(gravity.up.cast()),
-                Err(error) => Err(error.into()),
-            },
-            _ => Ok(vertical()?.up),
-        }
-    }
-
-    /// What the image says, near where the IMU does if it is asked.
-    pub(super) fn vertical(
-        &self,
-        eyes: &mut Eyes,
-        frames: [Option<&Frame>; 2],
-    ) -> Result<Vertical, EyesError> {
-        match (self.from, self.imu) {
-            (UpFrom::Imu | UpFrom::Both, Some(gravity)) => near(eyes, gravity.up.cast()),
-            _ => self.told.vertical(eyes, frames),
-        }
-    }
-
-    /// Degrees between what image and IMU say.
-    pub(super) fn apart_deg(&self, vertical: &Vertical) -> Option<f64> {
-        let imu = self.imu?.up;
-        let image = vertical.up.cast::<f64>().normalize();
-        Some(imu.cross(&image).norm().atan2(imu.dot(&image)).to_degrees())
-    }
-
-    /// Refuses an up vector that image and IMU disagree on.
-    pub(super) fn check(&self, vertical: &Vertical) -> Result<()> {
-        let apart =
-            self.apart_deg(vertical).filter(|apart| self.from == UpFrom::Both && *apart > AGREEING_DEG);
-        apart.map_or(Ok(()), |apart| Err(Disagreement(apart).into()))
+    pub(super) fn resolve(&self, eyes: &mut Eyes, frames: [Option<&Frame>; 2]) -> Result<Bearing, EyesError> {
+        self.given.map_or_else(|| Ok(self.sources.resolve(eyes, frames)?.0), Ok)
     }
 }
 
@@ -225,7 +142,7 @@ impl CameraArgs {
         let frames = [cam0?, cam1?];
         let rig = calibration.rig(frames.each_ref().map(|f| f.as_ref().map(|f| (f.width(), f.height()))))?;
         let files: Vec<_> = paths.into_iter().flatten().map(|path| path.display().to_string()).collect();
-        let up = Up { told: self.up.clone(), from: self.imu.source()?, imu: self.imu.load(&calibration)? };
+        let up = self.up.with(self.imu.source()?, self.imu.load(&calibration)?);
         let height_m = self.camera_height;
         Ok(Cameras { frames, eyes: Eyes::new(rig), up, height_m, name: files.join(", ") })
     }

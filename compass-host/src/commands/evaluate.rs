@@ -4,7 +4,7 @@ use super::Outcome;
 use super::cameras::height;
 use crate::as_built::WallsSeen;
 use crate::calibration::Calibration;
-use crate::dataset::euroc::{self, Shot};
+use crate::dataset::recording::{Recording, Shot, Source, Topics};
 use crate::dataset::trajectory::Trajectory;
 use crate::dataset::tum::{self, Pose};
 use crate::evaluate::report::{self, Shown, Story};
@@ -34,9 +34,14 @@ pub(super) struct Evaluate {
     /// Camera calibration: a Kalibr camera-imu chain .yaml
     #[arg(long, value_name = "FILE")]
     calib: PathBuf,
-    /// The recording: cam0/data.csv lists the frames in cam0/data, likewise cam1
+    /// The recording: cam0/data.csv lists the frames in cam0/data, likewise cam1, imu0/data.csv has accelerations; or a
+    /// ROS 2 bag
     #[arg(long, value_name = "DIR")]
     dataset: PathBuf,
+    /// Topics of the bag; what is left off or empty is not used [default: as the calibration names them, else the only
+    /// ones, in the order of their names]
+    #[arg(long, value_name = "CAM0,CAM1[,IMU]")]
+    topics: Option<Topics>,
     /// True poses of cam0 in the map: timestamp tx ty tz qx qy qz qw
     #[arg(long, value_name = "TUM")]
     groundtruth: PathBuf,
@@ -55,7 +60,7 @@ pub(super) struct Evaluate {
     /// Frames at a time [default: one per core]
     #[arg(long, value_name = "N")]
     jobs: Option<NonZeroUsize>,
-    /// Which side of cam0's image is up, within 45 degrees
+    /// Which side of cam0's image is up, within 45 degrees, where the accelerometer does not tell
     #[arg(long, value_enum, default_value_t = Mount::Auto)]
     mount: Mount,
     /// Height of cam0 above the floor in metres [default: estimated]
@@ -73,33 +78,35 @@ impl Evaluate {
         let mut locator = Locator::new(&storeys).with_context(|| self.map.display().to_string())?;
         let floor = self.floor(&storeys)?;
         let calibration = Calibration::load(&self.calib)?;
-        let mut shots = euroc::read(&self.dataset)?;
-        shots = shots.into_iter().step_by(self.every.get()).collect();
+        let mut recording = Recording::read(&self.dataset, self.topics.as_ref(), &calibration)?;
+        recording.shots = recording.shots.into_iter().step_by(self.every.get()).collect();
+        let shots = &recording.shots;
         let truth = Trajectory::read(&self.groundtruth)?;
         if shots.iter().all(|shot| truth.at(shot.timestamp_ns).is_none()) {
             let (truth, frames) = (self.groundtruth.display(), self.dataset.display());
             bail!("{truth}: no pose at the time of any frame of {frames}; are they of one recording?");
         }
         let odometry = self.odometry.as_deref().map(Trajectory::read).transpose()?;
-        let fingerprints = self.fingerprints(&file, &shots)?;
         let evidence = self.out.join("evidence");
-        create_dir(&evidence)?;
         let job = Job {
             storeys: &storeys,
             calibration: &calibration,
             mount: self.mount,
+            imu: recording.imu.as_ref(),
             height_m: self.camera_height,
             truth: &truth,
             floor,
             evidence: &evidence,
         };
+        let fingerprints = self.fingerprints(&file, &job, shots)?;
+        create_dir(&evidence)?;
         let is_whole =
             |record: &Record| record.problem.is_some() || job.evidence_file(record.timestamp_ns).is_file();
         let journal = Journal::open(&self.out.join("frames.jsonl"), fingerprints, is_whole)?;
         let resumed = journal.len();
         let jobs =
             self.jobs.or_else(|| std::thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
-        let records = localize(&job, &shots, &journal, jobs)?;
+        let records = localize(&job, shots, &journal, jobs)?;
         let followed = sequence::follow(&job, &records, &mut locator, odometry.as_ref())?;
         let judge = Judge { sheets: locator.sheets(), floor };
         let finished: Vec<_> = records
@@ -107,7 +114,7 @@ impl Evaluate {
             .zip(&followed.estimates)
             .map(|(record, estimate)| Finished::new(record, estimate.as_ref(), &judge, &truth))
             .collect();
-        self.write(&job, &finished, resumed, &followed)?;
+        self.write(&job, &recording, &finished, resumed, &followed)?;
         Ok(Outcome::Done)
     }
 
@@ -130,7 +137,7 @@ impl Evaluate {
     }
 
     /// What the results of each frame depend on.
-    fn fingerprints(&self, file: &SiteFile, shots: &[Shot]) -> Result<HashMap<u64, String>> {
+    fn fingerprints(&self, file: &SiteFile, job: &Job<'_>, shots: &[Shot]) -> Result<HashMap<u64, String>> {
         let read =
             |path: &Path| std::fs::read(path).with_context(|| format!("{}: cannot be read", path.display()));
         let options = format!("{:?} {:?} {:?}", self.mount, self.camera_height, self.floor);
@@ -139,24 +146,19 @@ impl Evaluate {
             .of(&read(&self.calib)?)
             .of(&read(&self.groundtruth)?)
             .of(options.as_bytes());
-        let mut prints = HashMap::new();
-        for shot in shots {
-            let mut print = common;
-            for path in &shot.files {
-                let name = path.as_deref().map(|path| path.as_os_str().to_string_lossy());
-                let size =
-                    path.as_deref().map(std::fs::metadata).transpose().map(|data| data.map(|d| d.len()));
-                print = print.of(format!("{name:?} {:?}", size.ok().flatten()).as_bytes());
-            }
-            prints.insert(shot.timestamp_ns, print.text());
-        }
-        Ok(prints)
+        let print = |shot: &Shot| {
+            let images = shot.images.each_ref().map(|image| image.as_ref().map(Source::identity));
+            let gravity = job.gravity(shot.timestamp_ns);
+            (shot.timestamp_ns, common.of(format!("{images:?} {gravity:?}").as_bytes()).text())
+        };
+        Ok(shots.iter().map(print).collect())
     }
 
     /// Writes trajectories, report and result.
     fn write(
         &self,
         job: &Job<'_>,
+        recording: &Recording,
         finished: &[Finished<'_>],
         resumed: usize,
         followed: &Followed,
@@ -200,6 +202,8 @@ impl Evaluate {
             resumed,
             scored: scored.len(),
             unseen: finished.iter().filter(|frame| frame.record.problem.is_some()).count(),
+            topics: recording.topics.as_ref().map(Topics::to_string),
+            up_from: count(finished),
             rows: rows.into_iter().chain([sure]).collect(),
             milliseconds: milliseconds.iter().map(|(stage, ms)| (stage.clone(), Decimal(*ms))).collect(),
             walls: WallsSeen::of(walls),
@@ -212,6 +216,15 @@ impl Evaluate {
 
 fn write_trajectory(path: &Path, poses: impl Iterator<Item = Pose>) -> Result<()> {
     write_file(path, tum::text(&poses.collect::<Vec<_>>()).as_bytes())
+}
+
+/// How many frames have their up vector from what.
+fn count(finished: &[Finished<'_>]) -> BTreeMap<&'static str, usize> {
+    let mut counts = BTreeMap::new();
+    for frame in finished.iter().filter(|frame| frame.record.up.is_some()) {
+        *counts.entry(frame.record.up_from.name()).or_default() += 1;
+    }
+    counts
 }
 
 /// Mean milliseconds by stage, over the frames that came so far.
@@ -285,6 +298,7 @@ impl<'a> Finished<'a> {
         Frame {
             timestamp_ns: self.record.timestamp_ns,
             problem: self.record.problem.as_deref(),
+            up_from: self.record.up.map(|_| self.record.up_from.name()),
             margin: Decimal(self.record.margin()),
             single: placed(single.first(), 0),
             track: placed(self.track.as_ref(), 1).zip(self.estimate).map(|(placed, estimate)| Tracked {

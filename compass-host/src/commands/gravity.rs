@@ -3,8 +3,9 @@
 mod pictures;
 
 use super::Outcome;
-use super::cameras::{CameraArgs, Cameras, UpFrom};
+use super::cameras::{CameraArgs, Cameras};
 use crate::output::{Decimal, JsonOption, decimals};
+use crate::up::UpFrom;
 use anyhow::{Context as _, Result, bail};
 use compass_core::attitude::{Axes, Vertical};
 use compass_core::camera::Bearing;
@@ -102,9 +103,9 @@ impl Gravity {
         let frames = cameras.frames.each_ref().map(Option::as_ref);
         cameras.eyes.detect(frames)?;
         let start = std::time::Instant::now();
-        let found = cameras.up.vertical(&mut cameras.eyes, frames);
+        let found = cameras.up.sources.vertical(&mut cameras.eyes, frames);
         let milliseconds = Decimal(start.elapsed().as_secs_f64() * 1e3);
-        let (vertical, up) = match (found, cameras.up.from, cameras.up.imu) {
+        let (vertical, up) = match (found, cameras.up.sources.from, cameras.up.sources.imu) {
             (found, UpFrom::Imu, Some(gravity)) => (found.ok(), gravity.up.cast()),
             // Where nothing upright is in view, gravity still is.
             (Err(_), UpFrom::Both, Some(gravity)) => (None, gravity.up.cast()),
@@ -121,7 +122,7 @@ impl Gravity {
             pictures::Lines { frames, eyes, level, axes: axes.map(|(axes, _)| axes) }.draw(dir)?;
         }
         self.json.emit(&output, &summary(&output))?;
-        vertical.map_or(Ok(()), |vertical| cameras.up.check(&vertical))?;
+        vertical.map_or(Ok(()), |vertical| cameras.up.sources.check(&vertical))?;
         Ok(Outcome::Done)
     }
 }
@@ -134,7 +135,7 @@ fn output(
     milliseconds: Decimal,
 ) -> Output {
     let nothing = Vertical { up, inliers: [0; 2], support: 0.0, runner_up: 0.0, residual_deg: 0.0 };
-    let agreement_deg = vertical.and_then(|vertical| cameras.up.apart_deg(vertical)).map(Decimal);
+    let agreement_deg = vertical.and_then(|vertical| cameras.up.sources.apart_deg(vertical)).map(Decimal);
     let axis = |(axes, level): (Axes, &Level)| {
         let [first, second] = axes.directions(level);
         let axis = |index: usize, direction: Bearing| Axis {
@@ -148,10 +149,10 @@ fn output(
         up_in_cam0: numbers(&up),
         roll_deg: number(nothing.roll_deg()),
         pitch_deg: number(nothing.pitch_deg()),
-        up_from: cameras.up.from.name(),
+        up_from: cameras.up.sources.from.name(),
         image: vertical.map(Image::from),
         axes: axes.map(axis),
-        imu: cameras.up.imu.map(|gravity| Imu {
+        imu: cameras.up.sources.imu.map(|gravity| Imu {
             up_in_cam0: numbers(&gravity.up.cast()),
             samples: gravity.samples,
             acceleration: Decimal(gravity.length),

@@ -17,8 +17,6 @@ mod segments;
 mod simulate;
 mod windows;
 
-pub use cameras::Disagreement;
-
 use clap::{Parser, Subcommand};
 
 /// Where am I in this building? All it takes is the architect's floor plan.

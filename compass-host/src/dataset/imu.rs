@@ -1,7 +1,8 @@
-//! Accelerometer readings as `EuRoC` datasets have them (`imu0/data.csv`), and the direction of gravity in them.
+//! Accelerometer readings, and the direction of gravity in them.
 //!
-//! A line is `timestamp [ns], w_RS_S_x, w_RS_S_y, w_RS_S_z [rad s^-1], a_RS_S_x, a_RS_S_y, a_RS_S_z [m s^-2]`. Blank lines
-//! and lines that begin with `#` are passed over. At rest an accelerometer reads 9.81 upwards.
+//! A line of a file, as `EuRoC` datasets have it (`imu0/data.csv`), is
+//! `timestamp [ns], w_RS_S_x, w_RS_S_y, w_RS_S_z [rad s^-1], a_RS_S_x, a_RS_S_y, a_RS_S_z [m s^-2]`. Blank lines and lines
+//! that begin with `#` are passed over. At rest an accelerometer reads 9.81 upwards.
 
 use super::lines::{self, LinesError};
 use nalgebra::Vector3;
@@ -13,17 +14,14 @@ const ODD: f64 = 1.0;
 /// Standard gravity, m/s^2.
 pub const GRAVITY: f64 = 9.806_65;
 
-/// Why readings could not be used: one line, with the file and the line at fault.
+/// Why readings do not tell where up is: one line, with the file.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ImuError {
-    /// The file cannot be read, or a line is no reading.
-    #[error(transparent)]
-    Lines(#[from] LinesError),
     /// No reading in the time asked for.
     #[error("{}: no reading{}", path.display(), span.map(between).unwrap_or_default())]
     Empty {
-        /// The file.
+        /// The file, or what else they are from.
         path: PathBuf,
         /// First and last second asked for, if any were.
         span: Option<[f64; 2]>,
@@ -34,7 +32,7 @@ pub enum ImuError {
         path.display()
     )]
     NoGravity {
-        /// The file.
+        /// The file, or what else they are from.
         path: PathBuf,
         /// Length of the mean, m/s^2.
         length: f64,
@@ -56,33 +54,87 @@ pub struct Gravity {
     pub samples: usize,
 }
 
-/// The mean reading of a file, or of its readings from the first to the second of `span`, in seconds of its clock.
-///
-/// # Errors
-/// [`ImuError`]: a file that cannot be read, a line that is no reading, no reading at all, or a mean that is not gravity.
-pub fn gravity(path: &Path, span: Option<[f64; 2]>) -> Result<Gravity, ImuError> {
-    let (mut sum, mut samples) = (Vector3::zeros(), 0_usize);
-    lines::visit(path, |line| {
-        let (seconds, reading) = parse(line)?;
-        if span.is_none_or(|[from, to]| (from..=to).contains(&seconds)) {
-            sum += reading;
-            samples += 1;
-        }
-        Ok(())
-    })?;
-    if samples == 0 {
-        return Err(ImuError::Empty { path: path.to_path_buf(), span });
-    }
-    let mean = sum / samples as f64;
-    let length = mean.norm();
-    if (length - GRAVITY).abs() > ODD {
-        return Err(ImuError::NoGravity { path: path.to_path_buf(), length });
-    }
-    Ok(Gravity { up: mean / length, length, samples })
+/// A reading of the accelerometer.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reading {
+    /// Time of the IMU's clock, nanoseconds.
+    pub timestamp_ns: u64,
+    /// In the axes of the IMU, m/s^2; finite.
+    pub acceleration: Vector3<f64>,
 }
 
-/// Seconds and acceleration of a line.
-fn parse(line: &str) -> Result<(f64, Vector3<f64>), String> {
+/// The readings of a recording.
+#[derive(Debug, Clone)]
+pub struct Readings {
+    /// The file, or what else they are from.
+    path: PathBuf,
+    /// In the order of time.
+    readings: Vec<Reading>,
+}
+
+impl Readings {
+    /// Readings from elsewhere, in any order; messages call them `path`.
+    #[must_use]
+    pub fn new(path: PathBuf, mut readings: Vec<Reading>) -> Self {
+        readings.sort_by_key(|reading| reading.timestamp_ns);
+        Self { path, readings }
+    }
+
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// [`LinesError`]: a file that cannot be read, or a line that is no reading.
+    pub fn read(path: &Path) -> Result<Self, LinesError> {
+        let mut readings = Vec::new();
+        lines::visit(path, |line| {
+            readings.push(parse(line)?);
+            Ok(())
+        })?;
+        Ok(Self::new(path.to_path_buf(), readings))
+    }
+
+    /// The mean of all readings, or of those from the first to the second of `span`, in seconds of their clock.
+    ///
+    /// # Errors
+    /// [`ImuError`]: no reading at all, or a mean that is not gravity.
+    pub fn gravity(&self, span: Option<[f64; 2]>) -> Result<Gravity, ImuError> {
+        let is_asked_for = |reading: &&Reading| {
+            span.is_none_or(|[from, to]| (from..=to).contains(&(reading.timestamp_ns as f64 / 1e9)))
+        };
+        self.mean(self.readings.iter().filter(is_asked_for), span)
+    }
+
+    /// The mean of the readings at most `reach_ns` away from a time, both in nanoseconds of their clock.
+    ///
+    /// # Errors
+    /// [`ImuError`]: no reading there, or a mean that is not gravity.
+    pub fn gravity_near(&self, time_ns: u64, reach_ns: u64) -> Result<Gravity, ImuError> {
+        let [from, to] = [time_ns.saturating_sub(reach_ns), time_ns.saturating_add(reach_ns)];
+        let first = self.readings.partition_point(|reading| reading.timestamp_ns < from);
+        let near = self.readings[first..].iter().take_while(|reading| reading.timestamp_ns <= to);
+        self.mean(near, Some([from, to].map(|ns| ns as f64 / 1e9)))
+    }
+
+    fn mean<'a>(
+        &self,
+        readings: impl Iterator<Item = &'a Reading>,
+        span: Option<[f64; 2]>,
+    ) -> Result<Gravity, ImuError> {
+        let add = |(sum, count), reading: &Reading| (sum + reading.acceleration, count + 1);
+        let (sum, samples) = readings.fold((Vector3::zeros(), 0_usize), add);
+        if samples == 0 {
+            return Err(ImuError::Empty { path: self.path.clone(), span });
+        }
+        let mean = sum / samples as f64;
+        let length = mean.norm();
+        if (length - GRAVITY).abs() > ODD {
+            return Err(ImuError::NoGravity { path: self.path.clone(), length });
+        }
+        Ok(Gravity { up: mean / length, length, samples })
+    }
+}
+
+fn parse(line: &str) -> Result<Reading, String> {
     let fields: Vec<_> = line.split(',').map(str::trim).collect();
     let [time, _, _, _, x, y, z] = fields[..] else {
         return Err(format!(
@@ -90,12 +142,13 @@ fn parse(line: &str) -> Result<(f64, Vector3<f64>), String> {
             fields.len()
         ));
     };
-    let time: u64 = time.parse().map_err(|_| format!("timestamp is '{time}', no number of nanoseconds"))?;
+    let timestamp_ns =
+        time.parse().map_err(|_| format!("timestamp is '{time}', no number of nanoseconds"))?;
     let number = |text: &str| {
         let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
         number.ok_or_else(|| format!("acceleration is '{text}', no finite number"))
     };
-    Ok((time as f64 / 1e9, Vector3::new(number(x)?, number(y)?, number(z)?)))
+    Ok(Reading { timestamp_ns, acceleration: Vector3::new(number(x)?, number(y)?, number(z)?) })
 }
 
 #[cfg(test)]
@@ -109,7 +162,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("data.csv");
         std::fs::write(&path, text).unwrap();
-        gravity(&path, span).map_err(|error| error.to_string())
+        let readings = Readings::read(&path).map_err(|error| error.to_string())?;
+        readings.gravity(span).map_err(|error| error.to_string())
     }
 
     #[test]
@@ -123,6 +177,19 @@ mod tests {
         assert_eq!(mean(&text, Some([2.5, 9.0])).unwrap().up, Vector3::x());
         let all = mean(&text, None).unwrap_err();
         assert!(all.contains("m/s^2: no gravity"), "thrown about: {all}");
+    }
+
+    #[test]
+    fn readings_near_a_time_are_those_within_reach() {
+        let upright = |timestamp_ns| Reading { timestamp_ns, acceleration: GRAVITY * Vector3::z() };
+        let aside = |timestamp_ns| Reading { timestamp_ns, acceleration: GRAVITY * Vector3::x() };
+        let readings =
+            Readings::new("imu".into(), vec![aside(29), upright(40), upright(20), upright(30), aside(9)]);
+        let near = |time, reach| readings.gravity_near(time, reach);
+        assert_eq!((near(40, 10).unwrap().samples, near(40, 10).unwrap().up), (2, Vector3::z()));
+        assert_eq!(near(5, 10).unwrap().up, Vector3::x(), "time does not go below zero");
+        assert!(near(50, 9).unwrap_err().to_string().starts_with("imu: no reading from "));
+        assert!(near(30, 1).unwrap_err().to_string().contains("no gravity"), "it tips over");
     }
 
     #[test]
@@ -144,7 +211,7 @@ mod tests {
             message("1,0,0,0,0,0,1\n", None).contains("mean acceleration is 1.00 m/s^2"),
             "in units of g"
         );
-        let missing = gravity(Path::new("no/such.csv"), None).unwrap_err().to_string();
+        let missing = Readings::read(Path::new("no/such.csv")).unwrap_err().to_string();
         assert!(missing.starts_with("no/such.csv: cannot be read"), "{missing}");
     }
 }

@@ -1,7 +1,12 @@
 //! Recordings and what belongs to them.
 
-pub mod euroc;
+#[cfg(feature = "bag")]
+mod bag;
+mod euroc;
 pub mod imu;
 pub mod lines;
+mod pairs;
+pub mod recording;
+mod topics;
 pub mod trajectory;
 pub mod tum;

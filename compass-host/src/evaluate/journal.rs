@@ -133,6 +133,7 @@ mod tests {
             fingerprint: String::new(),
             problem: None,
             up: Some([0.1, -0.9, 0.3]),
+            up_from: crate::up::UpFrom::Both,
             height_m: 1.7,
             height: 2,
             ceiling: 0,

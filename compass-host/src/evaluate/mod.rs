@@ -24,7 +24,8 @@ pub use row::{Judge, Misses, Row};
 pub use worker::Worker;
 
 use crate::calibration::Calibration;
-use crate::dataset::euroc::Shot;
+use crate::dataset::imu::{Gravity, Readings};
+use crate::dataset::recording::Shot;
 use crate::dataset::trajectory::Trajectory;
 use crate::eyes::Mount;
 use crate::site::progress;
@@ -34,6 +35,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
+/// Readings of the accelerometer this far from a frame tell gravity, nanoseconds: half a second in all, about a step of
+/// somebody who walks, so that the ups and downs of the step cancel.
+const GRAVITY_REACH_NS: u64 = 250_000_000;
+
 /// What to localize, and with what.
 #[derive(Debug)]
 pub struct Job<'a> {
@@ -41,8 +46,10 @@ pub struct Job<'a> {
     pub storeys: &'a [Storey<'a>],
     /// The cameras.
     pub calibration: &'a Calibration,
-    /// Which side of cam0's image is up.
+    /// Which side of cam0's image is up; the accelerometer overrules it.
     pub mount: Mount,
+    /// The accelerometer, where there is one.
+    pub imu: Option<&'a Readings>,
     /// Height of cam0 above the floor in metres, where it is known.
     pub height_m: Option<f32>,
     /// Where cam0 was.
@@ -54,6 +61,15 @@ pub struct Job<'a> {
 }
 
 impl Job<'_> {
+    /// What the accelerometer says of gravity at the time of a frame, in the axes of cam0; `None` without one, where the
+    /// calibration does not tell how it lies, and where it moves too much.
+    #[must_use]
+    pub fn gravity(&self, timestamp_ns: u64) -> Option<Gravity> {
+        let shift_s = self.calibration.cameras[0].as_ref()?.timeshift_s;
+        let time_ns = timestamp_ns.checked_add_signed((shift_s * 1e9).round() as i64)?;
+        self.calibration.in_cam0(&self.imu?.gravity_near(time_ns, GRAVITY_REACH_NS).ok()?)
+    }
+
     /// The file that keeps the evidence of a frame.
     #[must_use]
     pub fn evidence_file(&self, timestamp_ns: u64) -> PathBuf {

@@ -1,5 +1,6 @@
 //! What came of one frame, as a line of JSON.
 
+use crate::up::UpFrom;
 use compass_core::likelihood::{Answer, Mode};
 use compass_core::num::{Metres, Point, Turn};
 use serde::{Deserialize, Serialize};
@@ -33,6 +34,9 @@ pub struct Record {
     /// The up vector in cam0.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub up: Option<[f32; 3]>,
+    /// What told it.
+    #[serde(default)]
+    pub up_from: UpFrom,
     /// Height of cam0 above the floor in metres: that given, or that found.
     pub height_m: f32,
     /// The same in rungs.

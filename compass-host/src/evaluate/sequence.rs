@@ -137,6 +137,7 @@ mod tests {
             fingerprint: String::new(),
             problem: None,
             up: Some(up),
+            up_from: crate::up::UpFrom::Image,
             height_m: 1.4,
             height: -1,
             ceiling: 0,

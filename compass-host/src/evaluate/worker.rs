@@ -2,12 +2,13 @@
 
 use super::{Evidence, Found, Job, Record, oracle};
 use crate::clock::Clock;
-use crate::dataset::euroc::Shot;
+use crate::dataset::recording::{Shot, Source};
 use crate::eyes::{Eyes, EyesError};
 use crate::frame::Frame;
 use crate::localizer::{Localizer, MatchOptions};
 use crate::locator::{Locator, NoPlan};
 use crate::site;
+use crate::up::{UpFrom, UpSources};
 use anyhow::{Context as _, Result};
 use compass_core::boundary::{NOMINAL_HEIGHT_M, Ranges, height_rungs};
 use compass_core::likelihood::Mode;
@@ -55,7 +56,7 @@ impl<'a> Worker<'a> {
     /// Names the file that cannot be read or written.
     pub fn record(&mut self, shot: &Shot) -> Result<Record> {
         let mut clock = Clock::start();
-        let read = |camera: usize| shot.files[camera].as_deref().map(Frame::read).transpose();
+        let read = |camera: usize| shot.images[camera].as_ref().map(Source::read).transpose();
         let frames = [read(0)?, read(1)?];
         let frames = frames.each_ref().map(Option::as_ref);
         clock.stage("read");
@@ -64,6 +65,7 @@ impl<'a> Worker<'a> {
             fingerprint: String::new(),
             problem: None,
             up: None,
+            up_from: UpFrom::Image,
             height: 0,
             ceiling: 0,
             height_m: self.job.height_m.unwrap_or(NOMINAL_HEIGHT_M),
@@ -73,9 +75,12 @@ impl<'a> Worker<'a> {
             centred: Vec::new(),
             milliseconds: BTreeMap::new(),
         };
-        match self.see(frames, &mut clock)? {
-            Ok((evidence, up)) => {
+        let up =
+            UpSources { from: UpFrom::Both, mount: self.job.mount, imu: self.job.gravity(shot.timestamp_ns) };
+        match self.see(frames, &up, &mut clock)? {
+            Ok((evidence, up, up_from)) => {
                 record.up = Some(up);
+                record.up_from = up_from;
                 self.search(&evidence, &mut record, &mut clock)?;
             }
             Err(problem) => record.problem = Some(problem.to_string()),
@@ -89,21 +94,21 @@ impl<'a> Worker<'a> {
     fn see(
         &mut self,
         frames: [Option<&Frame>; 2],
+        up: &UpSources,
         clock: &mut Clock,
-    ) -> Result<Result<(Evidence, [f32; 3]), EyesError>> {
-        let mount = self.job.mount;
+    ) -> Result<Result<(Evidence, [f32; 3], UpFrom), EyesError>> {
         let eyes = self.eyes(frames.map(|frame| frame.map(|frame| (frame.width(), frame.height()))))?;
         let mut see = || {
             eyes.detect(frames)?;
             clock.stage("segments");
-            let up = eyes.vertical(frames, mount)?.up;
+            let (up, from) = up.resolve(eyes, frames)?;
             clock.stage("up");
             let seen = eyes.windows(frames, &up)?;
             let (sighting, up) = (seen.sighting, seen.level.up());
             clock.stage("windows");
             let evidence = Evidence::new(&eyes.survey(frames, &up)?, &sighting);
             clock.stage("ranges");
-            Ok((evidence, [up.x, up.y, up.z]))
+            Ok((evidence, [up.x, up.y, up.z], from))
         };
         Ok(see())
     }

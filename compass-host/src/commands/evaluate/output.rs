@@ -17,6 +17,11 @@ pub(super) struct Output<'a> {
     pub(super) scored: usize,
     /// Frames in which nothing could be seen.
     pub(super) unseen: usize,
+    /// What was taken from a bag.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) topics: Option<String>,
+    /// How many frames have their up vector from the image, the IMU or both.
+    pub(super) up_from: BTreeMap<&'static str, usize>,
     pub(super) rows: Vec<Row>,
     pub(super) milliseconds: BTreeMap<String, Decimal>,
     pub(super) walls: WallsSeen,
@@ -30,6 +35,9 @@ pub(super) struct Frame<'a> {
     /// Why nothing could be seen.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) problem: Option<&'a str>,
+    /// What told the up vector.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) up_from: Option<&'static str>,
     /// Lead of the single frame's pose over the best one elsewhere, nats.
     pub(super) margin: Decimal,
     pub(super) single: Option<Placed<'a>>,
@@ -85,6 +93,11 @@ impl Output<'_> {
             "{} frames, {} with a truth, {} unseen, {} from an earlier run\n",
             self.frames, self.scored, self.unseen, self.resumed
         );
+        if let Some(topics) = &self.topics {
+            let _ = writeln!(text, "topics: {topics}");
+        }
+        let ups: Vec<_> = self.up_from.iter().map(|(from, count)| format!("{from} {count}")).collect();
+        let _ = writeln!(text, "up from: {}", ups.join(", "));
         let _ = writeln!(text, "{:<15} frames  median     0.1 m  0.5 m    1 m  1 m 30\u{b0}  score", "");
         for row in &self.rows {
             let percent = |share: Decimal| 100.0 * share.0;

@@ -1,0 +1,113 @@
+//! Which way is up, by the image, by an accelerometer, or by both.
+
+use crate::dataset::imu::Gravity;
+use crate::eyes::{Eyes, EyesError, Mount};
+use crate::frame::Frame;
+use compass_core::attitude::{Hint, Vertical};
+use compass_core::camera::Bearing;
+use serde::{Deserialize, Serialize};
+
+/// Largest angle between the up vectors of image and IMU that are both right, degrees.
+const AGREEING_DEG: f64 = 10.0;
+
+/// What tells up.
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, clap::ValueEnum, Serialize, Deserialize,
+)]
+#[serde(rename_all = "lowercase")]
+pub enum UpFrom {
+    /// Vertical lines.
+    #[default]
+    Image,
+    /// The accelerometer.
+    Imu,
+    /// The vertical lines near where the accelerometer says.
+    Both,
+}
+
+impl UpFrom {
+    /// As it is written.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Image => "image",
+            Self::Imu => "imu",
+            Self::Both => "both",
+        }
+    }
+}
+
+/// What is to tell up.
+#[derive(Debug, Clone, Copy)]
+pub struct UpSources {
+    /// Which of the two.
+    pub from: UpFrom,
+    /// Which side of cam0's image is up; the IMU overrules it.
+    pub mount: Mount,
+    /// What the IMU says, in the axes of cam0; without it the image tells.
+    pub imu: Option<Gravity>,
+}
+
+impl UpSources {
+    /// The up vector in cam0 for frames whose segments were just detected, and what it is from.
+    ///
+    /// # Errors
+    /// [`EyesError::Disagreement`] of image and IMU; where the image alone counts, as [`Eyes::vertical`].
+    pub fn resolve(
+        &self,
+        eyes: &mut Eyes,
+        frames: [Option<&Frame>; 2],
+    ) -> Result<(Bearing, UpFrom), EyesError> {
+        match (self.from, self.imu) {
+            (UpFrom::Imu, Some(gravity)) => Ok((gravity.up.cast(), UpFrom::Imu)),
+            (UpFrom::Both, Some(gravity)) => match self.vertical(eyes, frames) {
+                Ok(vertical) => self.check(&vertical).map(|()| (vertical.up, UpFrom::Both)),
+                // Where nothing upright is in view, gravity still is.
+                Err(EyesError::NoVertical) => Ok((gravity.up.cast(), UpFrom::Imu)),
+                Err(error) => Err(error),
+            },
+            _ => Ok((self.vertical(eyes, frames)?.up, UpFrom::Image)),
+        }
+    }
+
+    /// What the image says, near where the IMU does if it is asked.
+    ///
+    /// # Errors
+    /// As [`Eyes::vertical`].
+    pub fn vertical(&self, eyes: &mut Eyes, frames: [Option<&Frame>; 2]) -> Result<Vertical, EyesError> {
+        match (self.from, self.imu) {
+            (UpFrom::Imu | UpFrom::Both, Some(gravity)) => near(eyes, gravity.up.cast()),
+            _ => eyes.vertical(frames, self.mount),
+        }
+    }
+
+    /// Degrees between what image and IMU say.
+    #[must_use]
+    pub fn apart_deg(&self, vertical: &Vertical) -> Option<f64> {
+        let imu = self.imu?.up;
+        let image = vertical.up.cast::<f64>().normalize();
+        Some(imu.cross(&image).norm().atan2(imu.dot(&image)).to_degrees())
+    }
+
+    /// Refuses an up vector that image and IMU disagree on, where both are asked.
+    ///
+    /// # Errors
+    /// [`EyesError::Disagreement`].
+    pub fn check(&self, vertical: &Vertical) -> Result<(), EyesError> {
+        let apart =
+            self.apart_deg(vertical).filter(|apart| self.from == UpFrom::Both && *apart > AGREEING_DEG);
+        apart.map_or(Ok(()), |apart| Err(EyesError::Disagreement(apart)))
+    }
+}
+
+/// The vertical that the image has near this direction, or if there is none, near its own top or bottom: so that an IMU
+/// that is wrong by much is found out.
+fn near(eyes: &mut Eyes, up: Bearing) -> Result<Vertical, EyesError> {
+    eyes.vertical_near(Hint::Up(up)).or_else(|_| {
+        let mut vertical = eyes.vertical_near(Hint::Axis(Bearing::y()))?;
+        if vertical.up.dot(&up) < 0.0 {
+            vertical.up = -vertical.up;
+        }
+        Ok(vertical)
+    })
+}

@@ -1,0 +1,321 @@
+//! ROS 2 bags as recordings: every way to store them, and what is wrong with one.
+
+use compass_host::calibration::{Calibration, NOMINAL_YAML};
+use compass_host::dataset::recording::{Recording, Topics};
+use compass_host::dataset::tum::{self, Pose};
+use compass_tests::bag::{Bag, Layout};
+use compass_tests::{Folder, number};
+use serde_json::Value;
+use std::path::Path;
+
+const IMAGE: &str = "sensor_msgs/msg/Image";
+const COMPRESSED: &str = "sensor_msgs/msg/CompressedImage";
+const IMU: &str = "sensor_msgs/msg/Imu";
+/// Size of the small images.
+const SIZE: (u32, u32) = (40, 30);
+
+/// The colours of a small image, no two images alike.
+fn colours(camera: u8, frame: u8) -> Vec<u8> {
+    (0..SIZE.0 * SIZE.1 * 3).map(|n| (n % 251) as u8 ^ (16 * frame + camera)).collect()
+}
+
+fn stamp(camera: u8, frame: u8) -> u64 {
+    3_000_000_000 + 100_000_000 * u64::from(frame) + 1_000_000 * u64::from(camera)
+}
+
+/// Five pairs of small images and an IMU that lies on its side, beside a topic that is none of ours.
+fn small() -> Bag {
+    let mut bag = Bag::new();
+    let other = bag.topic("/tf", "tf2_msgs/msg/TFMessage");
+    let cameras = [bag.topic("/left/image", IMAGE), bag.topic("/right/image", IMAGE)];
+    let imu = bag.topic("/imu", IMU);
+    for frame in 0..5 {
+        for camera in [0, 1] {
+            let data = colours(camera, frame);
+            bag.push_image(
+                cameras[usize::from(camera)],
+                stamp(camera, frame),
+                SIZE,
+                "rgb8",
+                3 * SIZE.0,
+                &data,
+            );
+        }
+        bag.push_imu(imu, stamp(0, frame), [9.8, 0.0, 0.1]);
+        bag.push_raw(other, stamp(0, frame), vec![7; 5]);
+    }
+    bag
+}
+
+fn read(folder: &Path) -> Result<Recording, String> {
+    let read = Recording::read(folder, None, &Calibration::nominal());
+    read.map_err(|error| error.to_string())
+}
+
+#[test]
+fn all_ways_of_storing_read_alike() {
+    let folder = tempfile::tempdir().unwrap();
+    let bag = small();
+    for layout in Layout::ALL {
+        let path = folder.path().join(format!("{layout:?}"));
+        bag.write(&path, layout);
+        let recording = read(&path).unwrap_or_else(|e| panic!("{layout:?}: {e}"));
+        let topics = recording.topics.as_ref().unwrap().to_string();
+        assert_eq!(topics, "cam0 /left/image, cam1 /right/image, IMU /imu");
+        assert_eq!(recording.shots.len(), 5, "{layout:?}");
+        let gravity = recording.imu.as_ref().unwrap().gravity(None).unwrap();
+        assert_eq!((gravity.samples, gravity.up.x > 0.99), (5, true), "{layout:?}");
+        // Not in their order, as several threads would.
+        for (frame, shot) in (0..5_u8).zip(&recording.shots).rev() {
+            assert_eq!(shot.timestamp_ns, stamp(0, frame), "the header's time, not the recorder's");
+            for (camera, image) in (0..2_u8).zip(&shot.images) {
+                let image = image.as_ref().unwrap();
+                let frame_read = image.read().unwrap();
+                assert_eq!((frame_read.width(), frame_read.height()), SIZE);
+                assert_eq!(frame_read.rgb().unwrap(), colours(camera, frame), "{layout:?}");
+            }
+        }
+        let all: Vec<_> = recording.shots.iter().flat_map(|shot| shot.images.iter().flatten()).collect();
+        let identities: std::collections::BTreeSet<_> = all.iter().map(|image| image.identity()).collect();
+        assert_eq!(identities.len(), 10, "{layout:?}");
+    }
+}
+
+#[test]
+fn topics_are_those_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    small().write(folder.path(), Layout::McapZstd);
+    let asked = |topics: &str| {
+        let topics: Topics = topics.parse().unwrap();
+        let recording = Recording::read(folder.path(), Some(&topics), &Calibration::nominal());
+        recording.map_err(|error| error.to_string())
+    };
+    let swapped = asked("/right/image,/left/image").unwrap();
+    assert!(swapped.imu.is_none(), "it is not asked for");
+    let first = swapped.shots[0].images[0].as_ref().unwrap().read().unwrap();
+    assert_eq!(first.rgb().unwrap(), colours(1, 0));
+    assert!(asked(",/left/image").unwrap().shots[0].images[0].is_none());
+    assert!(asked("/tf").unwrap_err().contains("/tf: is of type tf2_msgs/msg/TFMessage"));
+    assert!(asked("/middle").unwrap_err().contains("no topic /middle; there are /tf (tf2_msgs"));
+}
+
+/// A bag is written in each layout, `spoil`ed, and refused with all of `named`.
+fn refused(bag: &Bag, layouts: &[Layout], spoil: impl Fn(&Path), named: &[&str]) {
+    for layout in layouts {
+        let folder = tempfile::tempdir().unwrap();
+        bag.write(folder.path(), *layout);
+        spoil(folder.path());
+        let found = read(folder.path()).and_then(|recording| {
+            let images = recording.shots.iter().flat_map(|shot| shot.images.iter().flatten());
+            images.map(|image| image.read().map_err(|error| error.to_string())).collect::<Result<Vec<_>, _>>()
+        });
+        let message = found.err().unwrap_or_else(|| panic!("{layout:?}: {named:?} is accepted"));
+        let start = folder.path().display().to_string();
+        assert!(message.starts_with(&start) && !message.contains('\n'), "{layout:?}: {message}");
+        for name in named {
+            assert!(message.contains(name), "{layout:?}: no '{name}' in {message}");
+        }
+    }
+}
+
+/// The first file of the storage in a folder.
+fn first(folder: &Path) -> std::path::PathBuf {
+    let files = std::fs::read_dir(folder).unwrap().flatten().map(|entry| entry.path());
+    files.filter(|path| path.to_string_lossy().contains("bag_0")).min().unwrap()
+}
+
+#[test]
+fn damaged_files_are_named() {
+    let bag = small();
+    let cut = |folder: &Path| {
+        let path = first(folder);
+        let bytes = std::fs::read(&path).unwrap();
+        std::fs::write(path, &bytes[..bytes.len() / 2]).unwrap();
+    };
+    refused(&bag, &Layout::ALL, cut, &["bag_0."]);
+    let foreign = |folder: &Path| std::fs::write(first(folder), b"no bag at all ".repeat(90)).unwrap();
+    refused(&bag, &Layout::ALL, foreign, &["bag_0."]);
+    refused(
+        &bag,
+        &Layout::ALL,
+        |folder| std::fs::remove_file(first(folder)).unwrap(),
+        &["bag_0.", "cannot be read"],
+    );
+    // A byte in the middle of a chunk: its checksum tells.
+    let flipped = |folder: &Path| {
+        let mut bytes = std::fs::read(first(folder)).unwrap();
+        let middle = bytes.len() / 3;
+        bytes[middle] ^= 64;
+        std::fs::write(first(folder), bytes).unwrap();
+    };
+    refused(&bag, &[Layout::McapChunks, Layout::McapZstd, Layout::McapLz4], flipped, &["bag_0.mcap: "]);
+    let metadata = |from: &'static str, to: &'static str| {
+        move |folder: &Path| {
+            let path = folder.join("metadata.yaml");
+            let text = std::fs::read_to_string(&path).unwrap();
+            assert!(text.contains(from));
+            std::fs::write(path, text.replace(from, to)).unwrap();
+        }
+    };
+    let any = [Layout::Sqlite, Layout::McapZstd];
+    refused(
+        &bag,
+        &any,
+        metadata("storage_identifier: ", "storage_identifier: my_"),
+        &["metadata.yaml: storage_identifier: 'my_"],
+    );
+    refused(
+        &bag,
+        &any,
+        metadata("relative_file_paths", "paths"),
+        &["metadata.yaml: ", "relative_file_paths"],
+    );
+    refused(
+        &bag,
+        &any,
+        |folder| std::fs::remove_file(folder.join("metadata.yaml")).unwrap(),
+        &["metadata.yaml is missing"],
+    );
+    refused(&bag, &[Layout::Sqlite], metadata("sqlite3", "mcap"), &["bag_0.db3: not a whole MCAP file"]);
+}
+
+#[test]
+fn bad_messages_are_named() {
+    let any = [Layout::Sqlite, Layout::McapZstd];
+    let mut third = small();
+    third.topic("/top", IMAGE);
+    refused(&third, &any, |_| {}, &["--topics", "/left/image (sensor_msgs/msg/Image)", "/top"]);
+    let mut empty = Bag::new();
+    let left = empty.topic("/left", IMAGE);
+    empty.topic("/right", COMPRESSED);
+    empty.push_image(left, stamp(0, 0), (1, 1), "mono8", 1, &[1]);
+    refused(&empty, &any, |_| {}, &["/right: no messages"]);
+    for (push, named) in [
+        (
+            (|bag, left| bag.push_raw(left, 5, vec![0, 1, 0, 0, 1])) as fn(&mut Bag, usize),
+            "ends within its header",
+        ),
+        (|bag, left| bag.push_raw(left, 5, vec![0; 12]), "/left at 0.000000000 s: a message is too short"),
+        (
+            |bag, left| bag.push_image(left, 1_500_000_000, (2, 1), "yuv422", 4, &[0; 4]),
+            "/left at 1.500000000 s: encoding 'yuv422'",
+        ),
+        (|bag, left| bag.push_image(left, 1, (2, 1), "rgb8", 6, &[0; 5]), "5 bytes of data are too few"),
+        (|bag, left| bag.push_image(left, 1, (0, 1), "rgb8", 6, &[0; 6]), "0 x 1 pixels"),
+    ] {
+        let mut bag = Bag::new();
+        let [left, right] = [bag.topic("/left", IMAGE), bag.topic("/right", COMPRESSED)];
+        push(&mut bag, left);
+        bag.push_compressed(right, 9_000_000_000, b"GIF89a");
+        refused(&bag, &any, |_| {}, &[named]);
+    }
+}
+
+/// A folder with two frames of the sample building in `set`, with an IMU that lies as cam0 does, and its calibration.
+fn recording() -> Folder {
+    let folder = Folder::new();
+    let poses = [0, 1].map(|n| {
+        let x = 13.37 + 0.4 * f64::from(n);
+        Pose::looking(1_000_000_000 + 500_000_000 * u64::from(n as u8), [x, 3.68, 1.5], 20.0, 0.0, 0.0)
+    });
+    folder.write("poses.tum", tum::text(&poses).as_bytes());
+    let _ = folder
+        .json("simulate sample.png --poses poses.tum --size 368x360 --people 0 --no-operator --out set");
+    let same = "cam0:\n  T_cam_imu: [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]\n  rostopic: /b";
+    folder.write(
+        "rig.yaml",
+        NOMINAL_YAML.replacen("cam0:", same, 1).replacen("cam1:", "cam1:\n  rostopic: /a", 1).as_bytes(),
+    );
+    std::fs::create_dir(folder.path("set/imu0")).unwrap();
+    let rows: String = readings().map(|(ns, [x, y, z])| format!("{ns},0,0,0,{x},{y},{z}\n")).collect();
+    folder.write("set/imu0/data.csv", rows.as_bytes());
+    folder
+}
+
+/// Upright at the first frame, on its side at the second, and none later.
+fn readings() -> impl Iterator<Item = (u64, [f64; 3])> {
+    (0..60).map(|n| {
+        let time = 800_000_000 + 20_000_000 * n;
+        (time, if time < 1_250_000_000 { [0.0, -9.81, 0.2] } else { [9.81, 0.0, 0.0] })
+    })
+}
+
+/// The same as a bag: images as they are, or as blue, green, red with padding.
+fn bag_of(folder: &Folder, is_compressed: bool) -> Bag {
+    let mut bag = Bag::new();
+    let kind = if is_compressed { COMPRESSED } else { IMAGE };
+    for (camera, name) in ["/b", "/a"].into_iter().enumerate() {
+        let name = if is_compressed { format!("{name}/compressed") } else { name.to_owned() };
+        let topic = bag.topic(&name, kind);
+        for stamp in [1_000_000_000, 1_500_000_000] {
+            let file = folder.read(&format!("set/cam{camera}/data/{stamp}.jpg"));
+            if is_compressed {
+                bag.push_compressed(topic, stamp, &file);
+                continue;
+            }
+            let image = image::load_from_memory(&file).unwrap().into_rgb8();
+            let row = |row: &[u8]| {
+                let pixels = row.chunks_exact(3).flat_map(|pixel| [pixel[2], pixel[1], pixel[0]]);
+                pixels.chain([99; 5]).collect::<Vec<u8>>()
+            };
+            let step = 3 * image.width() + 5;
+            let data: Vec<u8> = image.chunks_exact(3 * image.width() as usize).flat_map(row).collect();
+            bag.push_image(topic, stamp, image.dimensions(), "bgr8", step, &data);
+        }
+    }
+    let imu = bag.topic("/imu", IMU);
+    readings().for_each(|(time, acceleration)| bag.push_imu(imu, time, acceleration));
+    bag
+}
+
+#[test]
+fn a_bag_is_evaluated_as_its_frames_in_a_folder() {
+    let folder = recording();
+    bag_of(&folder, false).write(&folder.path("sqlite"), Layout::Sqlite);
+    bag_of(&folder, true).write(&folder.path("mcap"), Layout::McapZstd);
+    // Nothing but the IMU tells which end is up.
+    let line = |set: &str, out: &str| {
+        format!(
+            "evaluate --map sample.site --calib rig.yaml --groundtruth poses.tum --dataset {set} --out {out}"
+        )
+    };
+    let [set, sqlite, mcap] =
+        ["set", "sqlite", "mcap"].map(|set| folder.json(&line(set, &format!("{set}_out"))));
+    the_imu_counts(&set);
+    assert_eq!(sqlite["topics"], "cam0 /b, cam1 /a, IMU /imu");
+    assert_eq!(mcap["topics"], "cam0 /b/compressed, cam1 /a/compressed, IMU /imu");
+    for (name, bag) in [("sqlite", &sqlite), ("mcap", &mcap)] {
+        assert_eq!((&bag["rows"], &bag["results"]), (&set["rows"], &set["results"]), "{name}");
+        for trajectory in ["single.tum", "track.tum"] {
+            let [ours, theirs] = [name, "set"].map(|set| folder.read(&format!("{set}_out/{trajectory}")));
+            assert!(ours == theirs, "{name}: {trajectory}");
+        }
+    }
+    let again = folder.json(&line("mcap", "mcap_out"));
+    assert_eq!(number(&again["resumed"]), 2.0);
+    let before = folder.names();
+    for (set, topics, named) in [
+        ("mcap", "/c,/a", "mcap: no topic /c;"),
+        ("set", "/b,/a", "set: no ROS 2 bag"),
+        ("sqlite", "/imu", "sqlite: /imu: is of type sensor_msgs/msg/Imu"),
+    ] {
+        let line = format!("{} --topics {topics}", line(set, "x"));
+        let ran = folder.run(&line);
+        assert_eq!((ran.status, ran.stderr.lines().count()), (Some(2), 1), "{line}: {}", ran.stderr);
+        assert!(ran.stderr.contains(named), "{line}: {}", ran.stderr);
+    }
+    assert_eq!(folder.names(), before);
+}
+
+/// Where it lies on its side it is at odds with the image, and the frame says so.
+fn the_imu_counts(result: &Value) {
+    let frames = result["results"].as_array().unwrap();
+    assert_eq!(result["up_from"], serde_json::json!({ "both": 1 }), "{result}");
+    assert_eq!((&frames[0]["up_from"], &frames[0]["problem"]), (&Value::from("both"), &Value::Null));
+    let problem = frames[1]["problem"].as_str().unwrap();
+    assert!(
+        problem.starts_with("image and IMU disagree on up by ") && frames[1]["up_from"].is_null(),
+        "{problem}"
+    );
+    assert_eq!((number(&result["unseen"]), frames[1]["single"].is_null()), (1.0, true));
+}
