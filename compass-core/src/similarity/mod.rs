@@ -47,6 +47,8 @@ impl Weights {
     pub const EQUAL: Self = Self([16; CHANNELS]);
     /// Hit type alone.
     pub const HIT_TYPE: Self = Self([0, 16, 0, 0, 0]);
+    /// Range alone.
+    pub const RANGE: Self = Self([16, 0, 0, 0, 0]);
 }
 
 impl Default for Weights {

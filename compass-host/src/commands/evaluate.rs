@@ -9,7 +9,7 @@ use crate::dataset::trajectory::Trajectory;
 use crate::dataset::tum::{self, Pose};
 use crate::evaluate::report::{self, Shown, Story};
 use crate::evaluate::sequence::Followed;
-use crate::evaluate::{Found, Job, Journal, Judge, Misses, Record, Row, localize, sequence};
+use crate::evaluate::{Found, Job, Journal, Judge, Misses, PAPER, Record, Row, localize, sequence};
 use crate::eyes::Mount;
 use crate::locator::Locator;
 use crate::output::{Decimal, JsonOption, create_dir, write_file};
@@ -25,7 +25,7 @@ mod output;
 use output::{Frame, Output, Placed, Tracked};
 
 /// The ways of localizing, in the order of the report.
-const ROWS: [&str; 5] = ["single", "track", "oracle", "paper, plain", "paper, centred"];
+const ROWS: [&str; 7] = ["single", "track", "oracle", PAPER[0].0, PAPER[1].0, PAPER[2].0, PAPER[3].0];
 #[derive(Debug, clap::Args)]
 pub(super) struct Evaluate {
     /// The site file
@@ -263,8 +263,10 @@ impl<'a> Finished<'a> {
             best(&record.single),
             track.as_ref(),
             best(&record.oracle),
-            best(&record.plain),
-            best(&record.centred),
+            best(&record.paper[0]),
+            best(&record.paper[1]),
+            best(&record.paper[2]),
+            best(&record.paper[3]),
         ];
         let misses = all.map(|found| truth.map_or(Misses::ALL, |truth| judge.misses(found, &truth)));
         Self { record, estimate, track, truth, misses, judge }
@@ -307,8 +309,10 @@ impl<'a> Finished<'a> {
                 spread_m: Decimal(f64::from(estimate.spread_m)),
             }),
             oracle: placed(self.record.oracle.first(), 2),
-            paper_plain: placed(self.record.plain.first(), 3),
-            paper_centred: placed(self.record.centred.first(), 4),
+            paper_plain: placed(self.record.paper[0].first(), 3),
+            paper_centred: placed(self.record.paper[1].first(), 4),
+            paper_hit_type: placed(self.record.paper[2].first(), 5),
+            paper_range: placed(self.record.paper[3].first(), 6),
         }
     }
 }

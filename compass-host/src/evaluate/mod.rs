@@ -19,7 +19,7 @@ mod worker;
 pub use evidence_file::Evidence;
 pub use journal::{Fingerprint, Journal};
 pub use oracle::sharp;
-pub use record::{Found, Record};
+pub use record::{Found, PAPER, Record};
 pub use row::{Judge, Misses, Row};
 pub use worker::Worker;
 

@@ -3,8 +3,17 @@
 use crate::up::UpFrom;
 use compass_core::likelihood::{Answer, Mode};
 use compass_core::num::{Metres, Point, Turn};
+use compass_core::similarity::{Similarity, Weights};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+
+/// Ways of matching with the paper's cosine: by name, similarity and channel weights.
+pub const PAPER: [(&str, Similarity, Weights); 4] = [
+    ("paper, plain", Similarity::Plain, Weights::EQUAL),
+    ("paper, centred", Similarity::Centred, Weights::EQUAL),
+    ("paper, hit type", Similarity::Centred, Weights::HIT_TYPE),
+    ("paper, range", Similarity::Centred, Weights::RANGE),
+];
 
 /// A pose that was found, to the bit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -47,10 +56,8 @@ pub struct Record {
     pub single: Vec<Found>,
     /// The same search with what the plan says at the true pose.
     pub oracle: Vec<Found>,
-    /// The paper's cosine.
-    pub plain: Vec<Found>,
-    /// The cosine after each channel's mean is removed.
-    pub centred: Vec<Found>,
+    /// The paper's cosine, in each of the [`PAPER`] ways.
+    pub paper: [Vec<Found>; PAPER.len()],
     /// By stage.
     pub milliseconds: BTreeMap<String, f64>,
 }

@@ -143,8 +143,7 @@ mod tests {
             ceiling: 0,
             single: Vec::new(),
             oracle: Vec::new(),
-            plain: Vec::new(),
-            centred: Vec::new(),
+            paper: std::array::from_fn(|_| Vec::new()),
             milliseconds: std::collections::BTreeMap::new(),
         };
         let back = pose(&record, &Found::from(&mode));

@@ -1,6 +1,6 @@
 //! One thread's eyes and searches.
 
-use super::{Evidence, Found, Job, Record, oracle};
+use super::{Evidence, Found, Job, PAPER, Record, oracle};
 use crate::clock::Clock;
 use crate::dataset::recording::{Shot, Source};
 use crate::eyes::{Eyes, EyesError};
@@ -16,7 +16,7 @@ use compass_core::locate::Room;
 use compass_core::num::BINS;
 use compass_core::scan::Scan;
 use compass_core::sight;
-use compass_core::similarity::{Confidence, Similarity};
+use compass_core::similarity::Confidence;
 use std::collections::BTreeMap;
 
 /// Sizes of the frames of the two cameras.
@@ -71,8 +71,7 @@ impl<'a> Worker<'a> {
             height_m: self.job.height_m.unwrap_or(NOMINAL_HEIGHT_M),
             single: Vec::new(),
             oracle: Vec::new(),
-            plain: Vec::new(),
-            centred: Vec::new(),
+            paper: std::array::from_fn(|_| Vec::new()),
             milliseconds: BTreeMap::new(),
         };
         let up =
@@ -139,21 +138,21 @@ impl<'a> Worker<'a> {
         clock.stage("write");
         survey.ranges(fix.ceiling, &mut self.ranges);
         let (scan, confidence) = sight::scan(&self.ranges, fix.height, &sighting);
-        record.plain = self.paper(&scan, &confidence, Similarity::Plain)?;
-        clock.stage("paper_plain");
-        record.centred = self.paper(&scan, &confidence, Similarity::Centred)?;
-        clock.stage("paper_centred");
+        for (found, (_, similarity, weights)) in record.paper.iter_mut().zip(PAPER) {
+            let options = MatchOptions { similarity, weights, ..MatchOptions::default() };
+            *found = self.paper(&scan, &confidence, &options)?;
+        }
+        clock.stage("paper");
         Ok(())
     }
 
-    /// The best candidates by the cosine of all five channels, on the layer that has everything.
-    fn paper(&mut self, scan: &Scan, confidence: &Confidence, similarity: Similarity) -> Result<Vec<Found>> {
-        let options = MatchOptions { similarity, ..MatchOptions::default() };
+    /// The best candidates by the cosine of descriptors, on the layer that has everything.
+    fn paper(&mut self, scan: &Scan, confidence: &Confidence, options: &MatchOptions) -> Result<Vec<Found>> {
         let mut all = Vec::new();
         for (floor, paper) in (0..).zip(&mut self.papers) {
             let sheets = self.locator.sheets();
             let sheet = sheets.iter().position(|sheet| sheet.floor == floor && sheet.layer == 0);
-            for found in paper.locate_masked(scan, confidence, &options)?.matches() {
+            for found in paper.locate_masked(scan, confidence, options)?.matches() {
                 let (at, sheet) =
                     paper.map().position(found.candidate as usize).zip(sheet).context("no candidate")?;
                 let score = found.peak.score_bits;
