@@ -2,6 +2,7 @@
 
 use super::{BINS, LEAD, RUNG, RUNGS, height_rungs};
 use crate::likelihood::RANGES;
+use bytemuck::{Pod, Zeroable};
 
 /// Rungs by which the ceiling may lie higher above the camera than the floor below it.
 pub(super) const CEILINGS: [i8; 2] = [-16, 28];
@@ -62,12 +63,13 @@ static RATIOS: [u32; 84] = {
 const LOWEST: i8 = -20;
 
 /// Per azimuth, how likely the wall stands at each rung of range.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
 pub struct Ranges {
     /// Log-likelihood ratio against knowing nothing, 1/16 nat, per rung and bin.
     values: [[i8; BINS]; RUNGS],
-    /// Bins of which enough floor or ceiling was seen.
-    pub(super) known: [bool; BINS],
+    /// 1 for bins of which enough floor or ceiling was seen, else 0.
+    pub(super) known: [u8; BINS],
     /// The ceiling is so many rungs higher above the camera than the floor is below it.
     pub(super) ceiling: i8,
 }
@@ -83,7 +85,7 @@ pub struct Range {
 
 impl Ranges {
     /// Nothing is known.
-    pub const EMPTY: Self = Self { values: [[0; BINS]; RUNGS], known: [false; BINS], ceiling: 0 };
+    pub const EMPTY: Self = Self { values: [[0; BINS]; RUNGS], known: [0; BINS], ceiling: 0 };
 
     /// Height of the ceiling above the camera in heights of the camera above the floor.
     #[must_use]
@@ -102,7 +104,7 @@ impl Ranges {
     /// Whether anything was seen in this bin.
     #[must_use]
     pub fn knows(&self, bin: usize) -> bool {
-        self.known.get(bin).copied().unwrap_or(false)
+        self.known.get(bin).is_some_and(|known| *known != 0)
     }
 
     /// Log-likelihood ratios of a ladder of ranges for a camera height given as [`height_rungs`]: row k for
@@ -197,7 +199,7 @@ pub(super) fn fill(ranges: &mut Ranges, floor: &[u8], ceiling: &[u8]) {
         for ((((value, here), best), sum), known) in
             row.iter_mut().zip(here).zip(&best).zip(&sums).zip(&ranges.known)
         {
-            *value = if *known { log_ratio(decay(best - here), *sum) } else { 0 };
+            *value = if *known != 0 { log_ratio(decay(best - here), *sum) } else { 0 };
         }
     }
 }

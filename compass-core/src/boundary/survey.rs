@@ -72,7 +72,7 @@ impl<'a> Survey<'a> {
     /// The likelihoods of ranges if the ceiling is at one of those heights.
     pub fn ranges(&self, ceiling: i8, ranges: &mut Ranges) {
         let (floor, above) = self.surfaces();
-        ranges.known = self.known;
+        ranges.known = self.known.map(u8::from);
         ranges.ceiling = ceiling.clamp(evidence::CEILINGS[0], evidence::CEILINGS[1]);
         evidence::fill(ranges, floor, above);
     }

@@ -10,6 +10,7 @@ use super::table::{LIMIT, OPEN_PLANE, PLANES, RANGES, Table, plane_of};
 use crate::num::BINS;
 use crate::scan::{Hit, Scan};
 use crate::site_map::{LADDER, PACKED_SCAN_BYTES};
+use bytemuck::{Pod, Zeroable};
 
 /// The value of "nothing known", counted from -[`LIMIT`].
 const ZERO: u16 = LIMIT.unsigned_abs() as u16;
@@ -31,7 +32,8 @@ static WALL_PLANES: [u8; 256] = {
 /// A [`Table`] at N headings, 360 or a divisor of it that is even: 580 N bytes.
 ///
 /// A bin is the mean of the table's `360 / N`, rounded to the nearest 1/16 nat.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(transparent)]
 pub struct Rows<const N: usize> {
     /// Sums of what lies before, backwards from the last bin.
     sums: [[[u16; N]; 2]; PLANES],

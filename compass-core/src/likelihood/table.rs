@@ -2,6 +2,7 @@
 
 use crate::num::BINS;
 use crate::scan::{Hit, MAX_STEPS, STEP_MM};
+use bytemuck::{Pod, Zeroable};
 
 /// Rungs of range: 0.4 m to 30 m in equal ratios of 6.3 %.
 pub const RANGES: usize = 72;
@@ -77,7 +78,8 @@ const fn log2(value: u32) -> u64 {
 ///
 /// Bin j looks along heading + j degrees, counter-clockwise. A column of zeros is a direction of which
 /// nothing is known: it neither helps nor hurts.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
+#[repr(transparent)]
 pub struct Table {
     values: [[i8; BINS]; PLANES],
 }

@@ -17,6 +17,9 @@ impl Confidence {
     /// Every bin is certain.
     pub const CERTAIN: Self = Self([Self::FULL; BINS]);
 
+    /// Nothing is known of any bin.
+    pub const NONE: Self = Self([0; BINS]);
+
     /// From sixteenths per bin; values above 16 count as 16.
     #[must_use]
     pub fn new(sixteenths: &[u8; BINS]) -> Self {

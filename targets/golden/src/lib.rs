@@ -11,10 +11,11 @@
 
 mod eyes;
 
-use compass_core::boundary::{Ranges, height_rungs};
+use compass_board::{Effort, Locator};
+use compass_core::boundary::height_rungs;
 use compass_core::descriptor::Descriptor;
-use compass_core::likelihood::{Mode, Rows, Sheet, Table};
-use compass_core::locate::{Fix, Room, Work, locate};
+use compass_core::likelihood::{Mode, Sheet};
+use compass_core::locate::{Fix, Room};
 use compass_core::matching::{Answer, Board, Exact, GROUP, Group, Index, Match, exhaustive, shortlist};
 use compass_core::num::{BINS, Metres, Point, Score, Turn, Unit};
 use compass_core::plan::Plan;
@@ -22,10 +23,11 @@ use compass_core::scan::Scan;
 use compass_core::similarity::{Confidence, Query, Similarity, Weights};
 use compass_core::site_map::{SiteMap, SketchQuery};
 use compass_core::spectrum::{Complex, MAX_POINTS, forward};
-use compass_core::track::{Estimate, Frame, Motion, Track};
+use compass_core::track::{Estimate, Motion, Track};
 use core::fmt::{self, Write as _};
 use crc::{CRC_32_ISO_HDLC, Crc, Digest};
 pub use eyes::Eyes;
+use eyes::{UP, frames, rig};
 
 /// Angles of the trigonometry stages.
 const ANGLES: usize = 2 * BINS;
@@ -33,11 +35,8 @@ const ANGLES: usize = 2 * BINS;
 const SHORTLIST: usize = 64;
 /// Matches that the shortlist chooses alternatives from.
 const SHORTLIST_POOL: usize = 256;
-/// Headings that the search under evidence tries.
-const HEADINGS: usize = 90;
-/// Modes that it keeps, and those of them that are refined.
-const MODES: usize = 64;
-const REFINED: usize = 8;
+/// How much work the search for the pose of the frames may do.
+const EFFORT: Effort = Effort { modes: 8, ceilings: 1 };
 /// Height of the cameras of the sample frames above the floor, metres.
 const CAMERA_HEIGHT_M: f32 = 1.6;
 /// Where the sample frames were taken (`compass_host::sample`).
@@ -99,6 +98,10 @@ impl<'a> Inputs<'a> {
     fn map(&self) -> SiteMap<'a> {
         SiteMap::new(self.map).expect("the input is a site map")
     }
+
+    fn sheet(&self) -> Sheet<'a> {
+        Sheet { map: self.map(), layer: 0, plan: self.plan(), floor: 0 }
+    }
 }
 
 /// The output of each stage; no stage allocates.
@@ -122,10 +125,6 @@ pub struct Workspace {
     exact_pool: [Match; EXACT_POOL],
     proven: Option<Answer>,
     eyes: Eyes,
-    ranges: Ranges,
-    table: Table,
-    rows: Rows<HEADINGS>,
-    modes: [Mode; MODES],
     fix: Option<Fix>,
     track: Track,
     estimate: Option<Estimate>,
@@ -133,12 +132,8 @@ pub struct Workspace {
 
 /// Bytes of RAM by what they are for; a board needs those of its own use. The rest of the [`Workspace`] keeps outputs
 /// for their checksums.
-pub const RAM: [(&str, usize); 5] = [
+pub const RAM: [(&str, usize); 4] = [
     ("eyes", size_of::<Eyes>()),
-    (
-        "search",
-        size_of::<Table>() + size_of::<Rows<HEADINGS>>() + size_of::<[Mode; MODES]>() + size_of::<Fix>(),
-    ),
     ("track", size_of::<Track>()),
     (
         "shortlist",
@@ -158,8 +153,8 @@ pub const RAM: [(&str, usize); 5] = [
     ),
 ];
 
-/// Bytes of RAM on the way from frames to a pose, beside the stack: eyes and search.
-pub const POSE_RAM: usize = RAM[0].1 + RAM[1].1;
+/// Bytes of RAM on the way from frames to a pose, beside the stack.
+pub const POSE_RAM: usize = size_of::<Eyes>();
 
 /// The stages on that way.
 pub const POSE: [&str; 6] = ["segments", "segments_back", "attitude", "windows", "ranges", "locate"];
@@ -186,11 +181,7 @@ impl Workspace {
             bounds: [0; CANDIDATES],
             exact_pool: [Match::NONE; EXACT_POOL],
             proven: None,
-            eyes: Eyes::new(),
-            ranges: Ranges::EMPTY,
-            table: Table::EMPTY,
-            rows: Rows::BLANK,
-            modes: [Mode::NONE; MODES],
+            eyes: Locator::new([0; eyes::SCRATCH]),
             fix: None,
             track: Track::new(),
             estimate: None,
@@ -272,23 +263,19 @@ pub const STAGES: &[Stage] = &[
             checksum(answer_words(w.proven.as_ref()).chain(bounds))
         },
     },
-    Stage {
-        name: "segments",
-        run: |_, w| w.eyes.detect(0),
-        checksum: |w| checksum(segment_words(&w.eyes, 0)),
-    },
+    Stage { name: "segments", run: |_, w| detect(w, 0), checksum: |w| checksum(segment_words(&w.eyes, 0)) },
     Stage {
         name: "segments_back",
-        run: |_, w| w.eyes.detect(1),
+        run: |_, w| detect(w, 1),
         checksum: |w| checksum(segment_words(&w.eyes, 1)),
     },
-    Stage { name: "attitude", run: |_, w| w.eyes.level(), checksum: |w| checksum(up_words(&w.eyes)) },
-    Stage { name: "windows", run: |_, w| w.eyes.look(), checksum: |w| checksum(sight_words(&w.eyes)) },
+    Stage { name: "attitude", run: attitude, checksum: |w| checksum(up_words(&w.eyes)) },
+    Stage { name: "windows", run: windows, checksum: |w| checksum(sight_words(&w.eyes)) },
     Stage {
         name: "ranges",
-        run: |_, w| w.eyes.survey(),
+        run: ranges,
         checksum: |w| {
-            let survey = w.eyes.evidence();
+            let survey = w.eyes.evidence().expect("the stage before was run");
             let known = survey.known().iter().copied().map(u32::from);
             checksum(survey.cells().iter().copied().map(u32::from).chain(known))
         },
@@ -299,13 +286,14 @@ pub const STAGES: &[Stage] = &[
 
 /// The segments of a frame, bit for bit.
 fn segment_words(eyes: &Eyes, camera: usize) -> impl Iterator<Item = u32> + '_ {
-    let segments = eyes.segments[camera].iter().take(eyes.counts[camera]);
-    segments.flat_map(|s| [s.x1.to_bits(), s.y1.to_bits(), s.x2.to_bits(), s.y2.to_bits(), s.score.into()])
+    eyes.segments(camera)
+        .iter()
+        .flat_map(|s| [s.x1.to_bits(), s.y1.to_bits(), s.x2.to_bits(), s.y2.to_bits(), s.score.into()])
 }
 
 /// The up vector and its inliers.
 fn up_words(eyes: &Eyes) -> impl Iterator<Item = u32> + '_ {
-    eyes.vertical.iter().flat_map(|v| {
+    eyes.vertical().into_iter().flat_map(|v| {
         let [front, back] = v.inliers.map(u32::from);
         [v.up.x.to_bits(), v.up.y.to_bits(), v.up.z.to_bits(), front, back]
     })
@@ -313,8 +301,8 @@ fn up_words(eyes: &Eyes) -> impl Iterator<Item = u32> + '_ {
 
 /// The windows, and what is told of each bin.
 fn sight_words(eyes: &Eyes) -> impl Iterator<Item = u32> + '_ {
-    eyes.sighting.iter().flat_map(|sighting| {
-        let windows = eyes.windows.iter().take(sighting.count).flat_map(|w| {
+    eyes.sighting().into_iter().flat_map(|(windows, sighting)| {
+        let windows = windows.iter().flat_map(|w| {
             let [[left, right], [top, bottom]] = [w.columns, w.rows].map(|pair| pair.map(u32::from));
             [left, right, top, bottom, w.score as u32, w.camera.into()]
         });
@@ -464,25 +452,43 @@ fn exact(inputs: &Inputs<'_>, workspace: &mut Workspace) {
     *proven = exhaustive(&index, &map, query, None, exact, bounds, exact_pool);
 }
 
+/// The segments of one frame.
+fn detect(workspace: &mut Workspace, camera: usize) {
+    let frame = frames()[camera].expect("both cameras have one");
+    workspace.eyes.detect(&rig(), camera, &frame).expect("the memory is made for the frame");
+}
+
+/// The up vector, from the segments of both.
+fn attitude(_: &Inputs<'_>, workspace: &mut Workspace) {
+    workspace.eyes.level(&rig(), UP).expect("there are upright lines");
+}
+
+/// The windows around.
+fn windows(_: &Inputs<'_>, workspace: &mut Workspace) {
+    workspace.eyes.look(&rig(), &frames()).expect("up is known");
+}
+
+/// How far the walls are.
+fn ranges(_: &Inputs<'_>, workspace: &mut Workspace) {
+    workspace.eyes.survey(&rig(), &frames()).expect("the windows are known");
+}
+
 /// The pose of the frames, from what the eyes saw: searched on the whole map and refined on the plan.
 fn locate_frames(inputs: &Inputs<'_>, workspace: &mut Workspace) {
-    let Workspace { eyes, ranges, table, rows, modes, fix, .. } = workspace;
-    let Some(sighting) = &eyes.sighting else { return };
     let room = Room { height: Some(height_rungs(CAMERA_HEIGHT_M)), ceiling: None };
-    let sheets = [Sheet { map: inputs.map(), layer: 0, plan: inputs.plan(), floor: 0 }];
-    let mut work = Work { ranges, table, rows, pool: modes, modes: REFINED, ceilings: 1 };
-    *fix = Some(locate(&eyes.evidence(), room, sighting, &sheets, &mut work));
+    let fix = workspace.eyes.locate(&[inputs.sheet()], room, EFFORT);
+    workspace.fix = Some(fix.expect("the ranges are known"));
 }
 
 /// The belief after the frames were seen twice, a fifth of a second and a few centimetres apart by odometry.
 fn track_frames(inputs: &Inputs<'_>, workspace: &mut Workspace) {
-    let Workspace { table, fix, track, estimate, .. } = workspace;
-    let modes = fix.as_ref().map_or(&[][..], |fix| fix.answer.modes());
-    let sheets = [Sheet { map: inputs.map(), layer: 0, plan: inputs.plan(), floor: 0 }];
+    let Workspace { eyes, fix, track, estimate, .. } = workspace;
+    let Some(fix) = fix else { return };
     let moved = Motion { forward_m: 0.03, left_m: -0.01, turn: 0.02 };
     *track = Track::new();
     for (seconds, motion) in [(0.0, None), (0.2, Some(moved))] {
-        *estimate = track.step(&sheets, &Frame { table, modes, seconds, motion });
+        let step = eyes.track(track, &[inputs.sheet()], fix, seconds, motion);
+        *estimate = step.expect("the ranges are known");
     }
 }
 
@@ -561,11 +567,11 @@ mod tests {
         let mut workspace = workspace();
         run(&Inputs::SAMPLE, &mut workspace, &mut |_, _| ());
         let eyes = &workspace.eyes;
-        assert!(eyes.counts.iter().all(|count| *count > 40), "{:?}", eyes.counts);
-        let up = eyes.vertical.expect("there are upright lines");
+        assert!([0, 1].iter().all(|camera| eyes.segments(*camera).len() > 40));
+        let up = eyes.vertical().expect("there are upright lines");
         // The frames are tilted by 4 degrees and hang upside down, 7 degrees askew.
         assert!((up.roll_deg() - 173.0).abs() < 1.5 && (up.pitch_deg() - 4.0).abs() < 1.5, "{up:?}");
-        let sighting = eyes.sighting.as_ref().expect("up is known");
+        let (_, sighting) = eyes.sighting().expect("up is known");
         std::println!("{} windows", sighting.count);
         assert!(!sighting.truncated);
         // Against what the plan says at the same pose.

@@ -2,6 +2,7 @@
 
 use super::edges::{Edge, FINE};
 use super::ring::{Resolution, TOP_DEG};
+use bytemuck::{Pod, Zeroable};
 
 /// Narrowest and widest window, degrees.
 const NARROWEST_DEG: usize = 1;
@@ -36,7 +37,8 @@ pub(super) const LEAST_SCORE: i32 = -4 * NAT;
 
 /// A box on the ring: columns `start..end` (`end` may lie beyond the last column: the ring goes round), rows
 /// `top..bottom`, and its score as a window in 1/256 nat.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
 pub struct WindowBox {
     pub(super) start: u16,
     pub(super) end: u16,

@@ -1,6 +1,7 @@
 //! Which boxes are windows: those that do not overlap and score most together, and how sure each direction is.
 
 use super::boxes::{NAT, WindowBox};
+use bytemuck::{Pod, Zeroable};
 
 /// Evidence is clipped at this, 1/256 nat.
 pub(super) const MOST_EVIDENCE: i32 = 4 * NAT;
@@ -8,7 +9,8 @@ pub(super) const MOST_EVIDENCE: i32 = 4 * NAT;
 const NOBODY: u16 = u16::MAX;
 
 /// What is known of one column of the ring while windows are chosen. Columns count from the cut.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, Default, Pod, Zeroable)]
+#[repr(C)]
 pub struct Column {
     /// Best total score of boxes that end here or before.
     before: i32,

@@ -3,6 +3,7 @@
 use super::ring::{Level, NOMINAL_RANGE_M, RIM_COS, Resolution, TOP_DEG};
 use crate::camera::{Bearing, Pixel, View};
 use crate::segments::Segment;
+use bytemuck::{Pod, Zeroable};
 use heapless::Vec;
 
 /// Fraction of a cell that positions count in.
@@ -27,7 +28,8 @@ const EDGE_DEG: f32 = 1.5;
 pub(super) const MAX_EDGES: usize = 192;
 
 /// A near-vertical segment on the ring; positions and lengths in 1/16 cell.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
 pub struct Upright {
     x: i32,
     top: i32,

@@ -107,6 +107,19 @@ pub struct Sighting {
     pub boxes: usize,
 }
 
+impl Sighting {
+    /// Nothing was seen. Every byte is zero.
+    pub const NOTHING: Self = Self {
+        count: 0,
+        truncated: false,
+        hit: [Hit::Open; BINS],
+        confidence: Confidence::NONE,
+        evidence: [0; BINS],
+        uprights: 0,
+        boxes: 0,
+    };
+}
+
 /// Finds windows in the frames of a rig, one camera after the other.
 #[derive(Debug)]
 pub struct Finder<'a, 'r> {
@@ -167,13 +180,11 @@ impl<'a, 'r> Finder<'a, 'r> {
         let boxes = self.buffers.boxes.get_mut(..proposed).unwrap_or(&mut []);
         let cut = choose::choose(boxes, self.buffers.columns);
         let mut sighting = Sighting {
-            count: 0,
             truncated: self.truncated,
             hit: [Hit::Wall; BINS],
-            confidence: Confidence::new(&[0; BINS]),
-            evidence: [0; BINS],
             uprights: self.uprights,
             boxes: proposed,
+            ..Sighting::NOTHING
         };
         let mut confidence = [0; BINS];
         let mut covered = Covered::default();
