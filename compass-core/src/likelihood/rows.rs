@@ -85,14 +85,15 @@ impl<const N: usize> Rows<N> {
 
     /// The planes of a candidate from the bytes a site map stores; those of the unpacked scan.
     #[must_use]
+    #[inline]
     pub fn planes_of_packed(packed: &[u8; PACKED_SCAN_BYTES]) -> [u8; N] {
         let (codes, windows) = packed.split_at(BINS);
         let mut planes = [OPEN_PLANE; N];
-        let rays = (0..BINS).zip(codes).skip(Self::STRIDE / 2).step_by(Self::STRIDE);
-        for (plane, (bin, &code)) in planes.iter_mut().zip(rays) {
-            let window = windows.get(bin / 8).map_or(0, |bits| bits >> (bin % 8) & 1);
-            let wall = WALL_PLANES.get(usize::from(code)).copied().unwrap_or(OPEN_PLANE);
-            *plane = (wall + RANGES as u8 * window).min(OPEN_PLANE);
+        for (i, plane) in planes.iter_mut().enumerate() {
+            let bin = i * Self::STRIDE + Self::STRIDE / 2;
+            let (Some(code), Some(bits)) = (codes.get(bin), windows.get(bin / 8)) else { break };
+            let wall = WALL_PLANES.get(usize::from(*code)).copied().unwrap_or(OPEN_PLANE);
+            *plane = (wall + RANGES as u8 * (bits >> (bin % 8) & 1)).min(OPEN_PLANE);
         }
         planes
     }
@@ -106,8 +107,9 @@ impl<const N: usize> Rows<N> {
         let mut pairs = [0_u32; UNWRAPPED / 2];
         let mut runs = self.runs(planes);
         while let Some(first) = runs.next() {
-            let both = [first, runs.next().unwrap_or(Run::NONE)];
-            if N <= UNWRAPPED { add_pairs(both, &mut pairs) } else { add(both, &mut sums) }
+            let mut more = || runs.next().unwrap_or(Run::NONE);
+            let three = [first, more(), more()];
+            if N <= UNWRAPPED { add_pairs(three, &mut pairs) } else { add(three, &mut sums) }
         }
         if N <= UNWRAPPED {
             for (sums, pair) in sums.as_chunks_mut::<2>().0.iter_mut().zip(pairs) {
@@ -146,27 +148,25 @@ impl<const N: usize> Run<'_, N> {
     const NONE: Self = Self { plus: &[0; N], minus: &[0; N] };
 }
 
-/// Adds two runs.
+/// Adds three runs: as many as the registers of a small processor can follow.
 #[inline]
-fn add<const N: usize>([a, b]: [Run<'_, N>; 2], sums: &mut [u16; N]) {
-    let rows = a.plus.iter().zip(a.minus).zip(b.plus.iter().zip(b.minus));
-    for (sum, ((a_plus, a_minus), (b_plus, b_minus))) in sums.iter_mut().zip(rows) {
-        let rise = a_plus.wrapping_sub(*a_minus).wrapping_add(b_plus.wrapping_sub(*b_minus));
+fn add<const N: usize>([a, b, c]: [Run<'_, N>; 3], sums: &mut [u16; N]) {
+    let plus = a.plus.iter().zip(b.plus).zip(c.plus);
+    let minus = a.minus.iter().zip(b.minus).zip(c.minus);
+    for (sum, (((a, b), c), ((d, e), f))) in sums.iter_mut().zip(plus.zip(minus)) {
+        let rise = a.wrapping_sub(*d).wrapping_add(b.wrapping_sub(*e)).wrapping_add(c.wrapping_sub(*f));
         *sum = sum.wrapping_add(rise);
     }
 }
 
-/// Adds two runs, two headings to a word: without wrapping no half ever borrows from the next for good.
+/// Adds three runs, two headings to a word: without wrapping no half ever borrows from the next for good.
 #[inline]
-fn add_pairs<const N: usize>([a, b]: [Run<'_, N>; 2], sums: &mut [u32; UNWRAPPED / 2]) {
+fn add_pairs<const N: usize>(runs: [Run<'_, N>; 3], sums: &mut [u32; UNWRAPPED / 2]) {
     let word = |pair: &[u16; 2]| u32::from(pair[0]) | u32::from(pair[1]) << 16;
-    let [a_plus, a_minus, b_plus, b_minus] =
-        [a.plus, a.minus, b.plus, b.minus].map(|row| row.as_chunks::<2>().0);
-    let rows = a_plus.iter().zip(a_minus).zip(b_plus.iter().zip(b_minus));
-    for (sum, ((a_plus, a_minus), (b_plus, b_minus))) in sums.iter_mut().zip(rows) {
-        let rise =
-            word(a_plus).wrapping_sub(word(a_minus)).wrapping_add(word(b_plus).wrapping_sub(word(b_minus)));
-        *sum = sum.wrapping_add(rise);
+    let rise = |plus: &[u16; 2], minus: &[u16; 2]| word(plus).wrapping_sub(word(minus));
+    let [a, b, c] = runs.map(|run| run.plus.as_chunks::<2>().0.iter().zip(run.minus.as_chunks::<2>().0));
+    for (sum, ((a, b), c)) in sums.iter_mut().zip(a.zip(b).zip(c)) {
+        *sum = sum.wrapping_add(rise(a.0, a.1).wrapping_add(rise(b.0, b.1)).wrapping_add(rise(c.0, c.1)));
     }
 }
 
