@@ -7,10 +7,10 @@
 use super::{BINS, DEEPEST, RUNGS, SURFACES};
 use crate::camera::Rig;
 use crate::raster::GrayImage;
-use crate::windows::level::{Level, Node, Projector, Red, SUBPIXEL, look};
+use crate::windows::level::{Level, Node, Projector, Red, Resolution, SUBPIXEL, look};
 
 /// The projection is computed every so many degrees of azimuth, and interpolated between.
-const GRID_DEG: usize = 2;
+const GRID_DEG: usize = 4;
 /// ... and every so many rungs.
 const GRID_RUNGS: usize = 2;
 const NODES: usize = RUNGS.div_ceil(GRID_RUNGS) + 1;
@@ -22,9 +22,12 @@ const BOX: i32 = PATCH / GRID_RUNGS as i32 / 2;
 const MOST_TAPS: i32 = 4;
 /// Pixels between the samples of a mean, about.
 const TAP_PX: i32 = 2;
-/// Two looks per bin, a quarter of a degree to either side of its middle: eighths of [`GRID_DEG`], and which bin of
-/// the patch each belongs to.
-const LOOKS: [(i32, usize); 4] = [(1, 0), (3, 1), (5, 1), (7, 2)];
+/// Looks are counted in so many parts of [`GRID_DEG`]: quarters of a degree.
+const ACROSS: i32 = 16;
+/// Two looks per bin, a quarter of a degree to either side of its middle, and which bin of the patch each belongs to.
+const LOOKS: [(i32, usize); 8] = [(1, 0), (3, 1), (5, 1), (7, 2), (9, 2), (11, 3), (13, 3), (15, 4)];
+/// One look per bin, where an image has no more than two or three pixels in it.
+const COARSE_LOOKS: [(i32, usize); 4] = [(0, 0), (4, 1), (8, 2), (12, 3)];
 /// Largest edge that a byte holds beside "unknown".
 const MOST_EDGE: u8 = 254;
 
@@ -37,7 +40,10 @@ pub(super) fn draw(
     level: Level,
     (image, red): (&GrayImage<'_>, Red<'_>),
 ) {
-    let Some(projector) = Projector::new(rig, camera, level) else { return };
+    let (Some(projector), Some(view)) = (Projector::new(rig, camera, level), rig.view(camera)) else {
+        return;
+    };
+    let looks: &[_] = if Resolution::of(view) == Resolution::COARSE { &COARSE_LOOKS } else { &LOOKS };
     for (surface, edges) in edges.chunks_exact_mut(RUNGS * BINS).take(SURFACES).enumerate() {
         let elevations: [_; NODES] = core::array::from_fn(|node| {
             let (sin, cos) = elevation(node * GRID_RUNGS);
@@ -51,7 +57,7 @@ pub(super) fn draw(
         for column in 0..BINS / GRID_DEG {
             let left = nodes(column + 1);
             if right.iter().zip(&left).any(|(r, l)| r.lead > 0 || l.lead > 0) {
-                for (across, bin) in LOOKS {
+                for &(across, bin) in looks {
                     let mut samples = [0; RUNGS + 1];
                     sample(&mut samples, (&right, &left), across, image, red);
                     store(edges, (column * GRID_DEG + bin) % BINS, &samples);
@@ -69,7 +75,7 @@ fn elevation(rung: usize) -> (f32, f32) {
     (1.0 / length, cot / length)
 }
 
-/// The gray levels at the ends of the rungs, seen `across` eighths of the way between two columns of nodes; 0 where
+/// The gray levels at the ends of the rungs, seen `across` sixteenths of the way between two columns of nodes; 0 where
 /// the camera does not see, or leaves it to the other.
 fn sample(
     samples: &mut [u8; RUNGS + 1],
@@ -78,7 +84,7 @@ fn sample(
     image: &GrayImage<'_>,
     red: Red<'_>,
 ) {
-    let blend = |from: i32, to: i32| from * (8 - across) + to * across;
+    let blend = |from: i32, to: i32| from * (ACROSS - across) + to * across;
     let mixed = |(r, l): (&Node, &Node)| {
         let usable = r.usable && l.usable;
         usable.then(|| [blend(r.x, l.x), blend(r.y, l.y), blend(r.lead, l.lead)])
@@ -91,7 +97,7 @@ fn sample(
         if let (Some(a), Some(b)) = (here, far) {
             let taps = taps(a, b);
             for (sample, place) in ends.iter_mut().zip((0..).step_by((PATCH / GRID_RUNGS as i32) as usize)) {
-                let at = |k: usize, place: i32| (a[k] * (PATCH - place) + b[k] * place) / (8 * PATCH);
+                let at = |k: usize, place: i32| (a[k] * (PATCH - place) + b[k] * place) / (ACROSS * PATCH);
                 if at(2, place) > 0 {
                     *sample = mean(taps, |tap| {
                         let place = place + (2 * tap + 1 - taps) * BOX / (2 * taps);
@@ -106,7 +112,7 @@ fn sample(
 
 /// How many samples the mean over half a rung takes, from the size of a patch in the image.
 fn taps(a: [i32; 3], b: [i32; 3]) -> i32 {
-    let patch = (a[0].abs_diff(b[0]) + a[1].abs_diff(b[1])) >> (SUBPIXEL + 3);
+    let patch = (a[0].abs_diff(b[0]) + a[1].abs_diff(b[1])) >> (SUBPIXEL + ACROSS.trailing_zeros());
     (patch as i32 / (2 * GRID_RUNGS as i32 * TAP_PX)).clamp(1, MOST_TAPS)
 }
 

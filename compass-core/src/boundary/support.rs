@@ -57,14 +57,13 @@ pub(super) fn gather(edges: &[u8], support: &mut [u8]) {
     for ((edges, support), [own, others]) in surfaces.zip(WEIGHTS) {
         for (rung, out) in support.chunks_exact_mut(BINS).enumerate() {
             let mut sums = [0_u16; BINS];
-            let mut strongest = [0_u8; BINS];
+            let mut strongest = Ring { cells: [0; BINS + 2 * REACH] };
             for reach in 0..=REACH {
                 for row in [rung.checked_sub(reach), rung.checked_add(reach)].into_iter().flatten() {
-                    let row = edges.get(row * BINS..(row + 1) * BINS).unwrap_or(&[]);
-                    strongest.iter_mut().zip(row).for_each(|(most, edge)| *most = (*most).max(*edge));
+                    strongest.raise(edges.get(row * BINS..(row + 1) * BINS).unwrap_or(&[]));
                 }
                 if reach > 0 {
-                    add_neighbours(&mut sums, &strongest, reach);
+                    strongest.add_neighbours(&mut sums, reach);
                 }
             }
             let here = edges.get(rung * BINS..).unwrap_or(&[]);
@@ -75,13 +74,26 @@ pub(super) fn gather(edges: &[u8], support: &mut [u8]) {
     }
 }
 
-/// Adds the values `distance` bins to either side, around the circle.
-fn add_neighbours(sums: &mut [u16; BINS], values: &[u8; BINS], distance: usize) {
-    let (head, tail) = values.split_at(distance.min(BINS));
-    let right = tail.iter().chain(head);
-    let (head, tail) = values.split_at(BINS - distance.min(BINS));
-    let left = tail.iter().chain(head);
-    for ((sum, left), right) in sums.iter_mut().zip(left).zip(right) {
-        *sum += u16::from(*left) + u16::from(*right);
+/// The values of all bins, with the last ones repeated before the first and the first after the last.
+struct Ring {
+    cells: [u8; BINS + 2 * REACH],
+}
+
+impl Ring {
+    /// Raises each value to that of a row where that is larger.
+    fn raise(&mut self, row: &[u8]) {
+        let bins = self.cells.iter_mut().skip(REACH);
+        bins.zip(row).for_each(|(most, edge)| *most = (*most).max(*edge));
+    }
+
+    /// Adds the values `distance` bins to either side, at most [`REACH`].
+    fn add_neighbours(&mut self, sums: &mut [u16; BINS], distance: usize) {
+        self.cells.copy_within(REACH..2 * REACH, BINS + REACH);
+        self.cells.copy_within(BINS..BINS + REACH, 0);
+        let from = |start: usize| self.cells.get(start..start + BINS).unwrap_or(&[]);
+        let (right, left) = (from(REACH - distance.min(REACH)), from(REACH + distance.min(REACH)));
+        for ((sum, right), left) in sums.iter_mut().zip(right).zip(left) {
+            *sum += u16::from(*right) + u16::from(*left);
+        }
     }
 }

@@ -17,10 +17,13 @@ pub(super) const RIM_COS: f32 = -0.087_155_74;
 /// elsewhere, at r metres, comes out by baseline |1/r - 1/6| radians aside at worst: 0.8 degrees at 2 m
 /// and 0.4 degrees far away for 40 mm, beside the camera, and nothing behind it.
 pub const NOMINAL_RANGE_M: f32 = 6.0;
-/// The projection is computed on a grid of this many degrees, and interpolated between.
-const GRID_DEG: usize = 2;
-/// Rows of that grid, both borders included.
-const GRID_ROWS: usize = ((TOP_DEG - BOTTOM_DEG) as usize).div_ceil(GRID_DEG) + 1;
+/// The projection is computed for every so many-th border of a cell, and interpolated between: 2 or 4 degrees.
+const SIDE: usize = 8;
+/// Most rows of that grid, both borders included.
+const GRID_ROWS: usize = Resolution::FINE.rows().div_ceil(SIDE) + 1;
+/// Nodes that trail by more border on no cell that is this camera's: between opposite corners of 4 by 4 degrees a lead
+/// changes by at most twice the sine of 5.7 degrees, and by very little for the cameras' distance.
+const BEHIND: f32 = -0.22;
 /// Fraction bits of a position in the image.
 pub(crate) const SUBPIXEL: u32 = 8;
 
@@ -184,9 +187,11 @@ impl<'a> Projector<'a> {
         };
         let mine = seen_from(self.view);
         let lead = self.rival.map_or(1.0, |rival| mine.z - seen_from(rival).z);
-        let pixel = self.view.camera.project(&mine).filter(|_| mine.z > RIM_COS - 0.05);
+        // The lens is what costs: where the other camera is far ahead nothing will be looked up.
+        let wanted = lead > BEHIND && mine.z > RIM_COS - 0.05;
+        let pixel = if wanted { self.view.camera.project(&mine) } else { None };
         let scale = (1 << SUBPIXEL) as f32;
-        // Within 2^13 pixels, so that two weights of 4 bits fit as well.
+        // Within 2^13 pixels, so that weights of 9 bits fit as well.
         let fixed = |v: f32| (v.clamp(-8_192.0, 8_192.0) * scale) as i32;
         Node {
             x: pixel.map_or(0, |p| fixed(p.x)),
@@ -212,27 +217,29 @@ pub(super) fn draw(
     (image, red): (&GrayImage<'_>, Red<'_>),
 ) {
     let Some(projector) = Projector::new(rig, camera, level) else { return };
-    let radians = |deg: i32| deg as f32 * (core::f32::consts::PI / 180.0);
-    let elevations: [_; GRID_ROWS] =
-        core::array::from_fn(|row| libm::sincosf(radians(TOP_DEG - (row * GRID_DEG) as i32)));
+    let grid = SIDE as i32 / resolution.per_degree() as i32;
+    let angle = |from: i32, node: usize| {
+        libm::sincosf((from - node as i32 * grid) as f32 * (core::f32::consts::PI / 180.0))
+    };
+    let elevations: [_; GRID_ROWS] = core::array::from_fn(|row| angle(TOP_DEG, row));
+    let rows = resolution.rows().div_ceil(SIDE);
     let nodes = |column: usize| {
-        let azimuth = libm::sincosf(radians(180 - (column * GRID_DEG) as i32));
-        elevations.map(|elevation| projector.node(azimuth, elevation))
+        let azimuth = angle(180, column);
+        let mut nodes = [Node::default(); GRID_ROWS];
+        for (node, elevation) in nodes.iter_mut().zip(elevations).take(rows + 1) {
+            *node = projector.node(azimuth, elevation);
+        }
+        nodes
     };
     let mut left = nodes(0);
-    for column in 0..360 / GRID_DEG {
+    for column in 0..resolution.columns() / SIDE {
         let right = nodes(column + 1);
-        let pairs = left.windows(2).zip(right.windows(2)).enumerate();
+        let pairs = left.windows(2).zip(right.windows(2)).take(rows).enumerate();
         for (row, (left, right)) in pairs {
             let (&[a, c], &[b, d]) = (left, right) else { continue };
             let corners = [a, b, c, d];
             if corners.iter().all(|n| n.usable) && corners.iter().any(|n| n.lead > 0) {
-                let place = (column, row);
-                if resolution == Resolution::FINE {
-                    draw_patch::<{ 4 * GRID_DEG }>(cells, resolution, place, &corners, image, red);
-                } else {
-                    draw_patch::<{ 2 * GRID_DEG }>(cells, resolution, place, &corners, image, red);
-                }
+                draw_patch(cells, resolution, (column, row), &corners, image, red);
             }
         }
         left = right;
@@ -243,7 +250,7 @@ pub(super) fn draw(
 ///
 /// A column at a time, in arrays: positions and levels then come in vectors, and only the pixels one by one.
 #[inline(always)]
-fn draw_patch<const SIDE: usize>(
+fn draw_patch(
     cells: &mut [u8],
     resolution: Resolution,
     (column, row): (usize, usize),
