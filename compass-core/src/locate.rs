@@ -1,7 +1,7 @@
 //! From what is seen to a pose: search over heights of ceiling and camera, candidates and headings, refinement, answer.
 
 use crate::boundary::{Ranges, Survey, height_m};
-use crate::likelihood::{Answer, Mode, Rows, Sheet, Table, answer, approach, refine, search, settle};
+use crate::likelihood::{Answer, Mode, Rows, Sheet, Table, answer, approach, polish, refine, search, settle};
 use crate::num::{Metres, Turn};
 use crate::order;
 use crate::sight;
@@ -201,9 +201,10 @@ impl Evidence<'_> {
         }
     }
 
-    /// The best mode with the heights next to its own, where they may be.
-    fn polish(&mut self, heights: &RangeInclusive<i8>, sheets: &[Sheet<'_>], best: Found) -> Found {
-        let Some(sheet) = sheets.get(usize::from(best.0.sheet)) else { return best };
+    /// The best mode polished, and tried with the heights next to its own, where they may be.
+    fn polish(&mut self, heights: &RangeInclusive<i8>, sheets: &[Sheet<'_>], (best, height): Found) -> Found {
+        let Some(sheet) = sheets.get(usize::from(best.sheet)) else { return (best, height) };
+        let best = (polish(self.at(height), sheet, best), height);
         let beside = [best.1.saturating_sub(1), best.1.saturating_add(1)];
         let tried = beside.into_iter().filter(|height| heights.contains(height));
         let tried = tried.map(|height| (refine(self.at(height), sheet, best.0), height));

@@ -2,7 +2,10 @@
 //!
 //! A pattern search: of the eight neighbours of the best position so far the best is taken, until none
 //! is better; then the pattern shrinks to half. Each cast is laid over the table at some whole degrees
-//! around the heading. When the pattern is narrow, parts of a degree are tried as well.
+//! around the heading. When the pattern is narrow, of the diagonal neighbours only the one between the better two of the
+//! others is looked at, and parts of a degree are tried as well.
+//!
+//! A quarter of the rays do for most of the way, since neighbouring bins see the same wall.
 
 use super::search::{Mode, Sheet};
 use super::table::Table;
@@ -12,9 +15,12 @@ use core::cmp::Reverse;
 
 /// The pattern ends below this, 0.02 m.
 const FINEST: Metres = Metres::from_bits((1 << 32) / 50);
-/// Patterns from here on are wide, 0.1 m: a third of the rays do.
+/// Patterns from here on are wide, 0.1 m.
 const WIDE: Metres = Metres::from_bits((1 << 32) / 10);
-const WIDE_STRIDE: usize = 3;
+/// Patterns below this are polished, 0.05 m.
+const POLISHED: Metres = Metres::from_bits((1 << 32) / 20);
+/// Every how many-th ray is cast until then.
+const STRIDE: usize = 4;
 /// Headings a cast is laid at, one degree apart, while the pattern is wide and when it is narrow.
 const WIDE_HEADINGS: usize = 9;
 const NARROW_HEADINGS: usize = 3;
@@ -23,12 +29,13 @@ const NARROW_HEADINGS: usize = 3;
 const LEVELS: usize = 6;
 /// Moves at one width.
 const MOVES: usize = 4;
-/// No more casts than this are made, with all rays or a third of them: one each to begin and to end
-/// of both parts, and at each width the position anew and per move eight neighbours and two headings.
-pub const MAX_CASTS: usize = 4 + LEVELS * (1 + MOVES * (STAR.len() + TURNS.len()));
+/// No more casts than this are made, with all rays or some of them: one each to begin and to end of each
+/// part, one to begin climbing, and per move eight neighbours and two headings; two parts share widths.
+pub const MAX_CASTS: usize = 9 + 2 * LEVELS * MOVES * (4 + DIAGONAL.len() + TURNS.len());
 
-/// The neighbours of a position.
-const STAR: [[i8; 2]; 8] = [[1, 0], [0, 1], [-1, 0], [0, -1], [1, 1], [-1, 1], [-1, -1], [1, -1]];
+/// The neighbours of a position along x and y, and diagonally.
+const ALONG: [[[i8; 2]; 2]; 2] = [[[1, 0], [-1, 0]], [[0, 1], [0, -1]]];
+const DIAGONAL: [[i8; 2]; 4] = [[1, 1], [-1, 1], [-1, -1], [1, -1]];
 
 /// Headings beside a narrow pattern's, by units that shrink with it.
 const TURNS: [i32; 2] = [1, -1];
@@ -41,7 +48,7 @@ struct Pose {
     score: i32,
 }
 
-/// Climbs from a mode to a top of the likelihood near it, off the grid: [`approach`], then [`settle`].
+/// Climbs from a mode to a top of the likelihood near it, off the grid: [`approach`], [`settle`], then [`polish`].
 ///
 /// The result's score is that of all 360 rays in the table [between rungs](Table::at), and no less than
 /// what the mode has by the same measure. A position outside the plan or occupied is never taken; a
@@ -52,39 +59,48 @@ struct Pose {
 /// casts of 360 rays.
 #[must_use]
 pub fn refine(table: &Table, sheet: &Sheet<'_>, mode: Mode) -> Mode {
-    settle(table, sheet, approach(table, sheet, mode))
+    polish(table, sheet, settle(table, sheet, approach(table, sheet, mode)))
 }
 
-/// The first part of [`refine`](refine()): the wide patterns, with a third of the rays; to a decimetre or so.
+/// The first part of [`refine`](refine()): the wide patterns, to a decimetre or so.
 #[must_use]
 pub fn approach(table: &Table, sheet: &Sheet<'_>, mode: Mode) -> Mode {
-    let climb = Climb { table, plan: sheet.plan, stride: WIDE_STRIDE };
-    climb_through(table, sheet, mode, |pose, step| match step < WIDE {
-        true => pose,
-        false => climb.climb::<WIDE_HEADINGS>(pose, step),
-    })
+    let climb = Climb { table, plan: sheet.plan, stride: STRIDE };
+    climb_through::<WIDE_HEADINGS>(&climb, sheet, mode, |step| step >= WIDE)
 }
 
-/// The second part of [`refine`](refine()): the narrow patterns, from where an [`approach`] ended.
+/// The second part of [`refine`](refine()): the narrow patterns, from where an [`approach`] ended, to some centimetres.
 #[must_use]
 pub fn settle(table: &Table, sheet: &Sheet<'_>, mode: Mode) -> Mode {
-    let climb = Climb { table, plan: sheet.plan, stride: 1 };
-    climb_through(table, sheet, mode, |pose, step| match step < WIDE {
-        true => climb.climb::<NARROW_HEADINGS>(pose, step),
-        false => pose,
-    })
+    let climb = Climb { table, plan: sheet.plan, stride: STRIDE };
+    climb_through::<NARROW_HEADINGS>(&climb, sheet, mode, |step| step < WIDE)
 }
 
-/// Climbs through the widths of the pattern. What the end is worth all rays say: a third may have led astray.
-fn climb_through(table: &Table, sheet: &Sheet<'_>, mode: Mode, climb: impl Fn(Pose, Metres) -> Pose) -> Mode {
-    let whole = Climb { table, plan: sheet.plan, stride: 1 };
+/// The last part of [`refine`](refine()): the narrowest patterns anew, with all rays.
+#[must_use]
+pub fn polish(table: &Table, sheet: &Sheet<'_>, mode: Mode) -> Mode {
+    let climb = Climb { table, plan: sheet.plan, stride: 1 };
+    climb_through::<NARROW_HEADINGS>(&climb, sheet, mode, |step| step < POLISHED)
+}
+
+/// Climbs through those widths of the pattern that are asked for. What the end is worth all rays say: some may have led
+/// astray.
+fn climb_through<const HEADINGS: usize>(
+    climb: &Climb<'_>,
+    sheet: &Sheet<'_>,
+    mode: Mode,
+    wanted: impl Fn(Metres) -> bool,
+) -> Mode {
+    let whole = Climb { stride: 1, ..*climb };
     let Some(start) = whole.best::<1>(mode.at, mode.heading) else { return mode };
+    let Some(mut pose) = climb.best::<HEADINGS>(mode.at, mode.heading) else { return mode };
     let spacing = Metres::from_bits((i64::from(sheet.map.header().spacing_mm) << 32) / 1000);
     // Three quarters reach the middle between candidates and a little beyond.
     let mut step = spacing / 4 * 3;
-    let mut pose = start;
     for _ in 0..LEVELS {
-        pose = climb(pose, step);
+        if wanted(step) {
+            pose = climb.climb::<HEADINGS>(pose, step);
+        }
         step /= 2;
         if step < FINEST {
             break;
@@ -93,6 +109,13 @@ fn climb_through(table: &Table, sheet: &Sheet<'_>, mode: Mode, climb: impl Fn(Po
     let end = whole.best::<NARROW_HEADINGS>(pose.at, pose.heading).filter(|end| end.score > start.score);
     let Pose { at, heading, score } = end.unwrap_or(start);
     Mode { at, heading, score: (score + (1 << 7)) >> 8, ..mode }
+}
+
+/// A pose and the way that led to it, in steps.
+type Move = (Pose, [i8; 2]);
+
+fn score((pose, _): &Move) -> i32 {
+    pose.score
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -105,34 +128,47 @@ struct Climb<'a> {
 
 impl Climb<'_> {
     /// Moves while a neighbour is better.
-    fn climb<const HEADINGS: usize>(&self, pose: Pose, step: Metres) -> Pose {
-        let Some(mut pose) = self.best::<HEADINGS>(pose.at, pose.heading) else { return pose };
+    fn climb<const HEADINGS: usize>(&self, mut pose: Pose, step: Metres) -> Pose {
         let mut came = None;
         for _ in 0..MOVES {
-            let (mut next, mut toward) = (pose, [0; 2]);
-            for offset in STAR.into_iter().filter(|&offset| !is_known(came, offset)) {
-                if let Some(there) = self.best::<HEADINGS>(beside(pose.at, offset, step), pose.heading)
-                    && there.score > next.score
-                {
-                    (next, toward) = (there, offset);
-                }
-            }
-            if let Some(there) = self.turned(&pose, step)
-                && there.score > next.score
-            {
-                (next, toward) = (there, [0; 2]);
-            }
-            if next.score <= pose.score {
-                break;
-            }
+            let Some((next, toward)) = self.neighbour::<HEADINGS>(&pose, came, step) else { break };
             (pose, came) = (next, Some(toward));
         }
         pose
     }
 
+    /// The best of the poses around one and the way to it, if it is better; `came` is the way that led here.
+    fn neighbour<const HEADINGS: usize>(
+        &self,
+        pose: &Pose,
+        came: Option<[i8; 2]>,
+        step: Metres,
+    ) -> Option<Move> {
+        let wide = step >= WIDE;
+        let look = |way: [i8; 2]| {
+            let there = self.best::<HEADINGS>(beside(pose.at, way, step), pose.heading)?;
+            Some((there, way))
+        };
+        let best = |ways: &[[i8; 2]]| {
+            ways.iter()
+                .filter(|way| !is_known(came, **way, wide))
+                .filter_map(|way| look(*way))
+                .max_by_key(score)
+        };
+        let [x, y] = ALONG.map(|ways| best(&ways));
+        let diagonal = match (x, y) {
+            _ if wide => best(&DIAGONAL),
+            (Some((a, [dx, _])), Some((b, [_, dy]))) if a.score.max(b.score) > pose.score => look([dx, dy]),
+            _ => None,
+        };
+        let turned = self.turned(pose, step).map(|there| (there, [0; 2]));
+        let found = [x, y, diagonal, turned].into_iter().flatten().max_by_key(score);
+        found.filter(|(there, _)| there.score > pose.score)
+    }
+
     /// The best of some headings beside a pose; none while the pattern is wide.
     fn turned(&self, pose: &Pose, step: Metres) -> Option<Pose> {
-        if self.stride > 1 {
+        if step >= WIDE {
             return None;
         }
         // 8 degrees per metre: what moves a wall 7 m off as far as the step does.
@@ -170,9 +206,17 @@ impl Climb<'_> {
     }
 }
 
-/// Whether a neighbour was one of the former position, which was left in this direction.
-fn is_known(came: Option<[i8; 2]>, offset: [i8; 2]) -> bool {
-    came.is_some_and(|came| came.iter().zip(offset).all(|(came, offset)| (came + offset).abs() <= 1))
+/// Whether a neighbour was looked at from the former position, which was left in this direction; of a narrow pattern only
+/// that position itself was for sure.
+fn is_known(came: Option<[i8; 2]>, way: [i8; 2], wide: bool) -> bool {
+    let Some(came) = came else { return false };
+    let mut axes = came.iter().zip(way);
+    came == [0; 2]
+        || if wide {
+            axes.all(|(came, way)| (came + way).abs() <= 1)
+        } else {
+            axes.any(|(came, way)| came * way < 0)
+        }
 }
 
 fn beside(at: Point, offset: [i8; 2], step: Metres) -> Point {

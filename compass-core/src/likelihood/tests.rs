@@ -148,6 +148,7 @@ fn a_pose_off_the_grid_is_found() {
     for seed in 0..4 {
         find::<360>(&building, seed);
         find::<90>(&building, seed);
+        find::<40>(&building, seed);
     }
 }
 

@@ -145,6 +145,7 @@ pub(crate) static ALL: &[Entry] = &entries![
     Rows::<HEADINGS>::scores,
     search,
     likelihood::approach,
+    likelihood::polish,
     likelihood::refine,
     likelihood::settle,
     likelihood::answer,
