@@ -7,7 +7,7 @@ use compass_core::segments::{self, pixels, trail_len};
 use compass_core::windows::level::{self, Column, Resolution, Upright, WindowBox};
 
 /// Headings that the search tries.
-pub(crate) const HEADINGS: usize = 90;
+pub(crate) const HEADINGS: usize = 40;
 const UPRIGHTS: usize = 256;
 const BOXES: usize = 1024;
 
