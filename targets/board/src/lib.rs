@@ -2,7 +2,7 @@
 //!
 //! No step needs all memory for long: where the detector of segments had its pixels lies the ring of the windows next,
 //! then the raster of ranges, then the search. [`Locator`] keeps what one step hands to another and lays the rest over
-//! the [`words`] of its scratch. For frames of 368 x 360 pixels that is 466 KB, and 12 KB of stack; there is no heap and no panic.
+//! the [`words`] of its scratch. For frames of 368 x 360 pixels that is 466 KB, and 12 KB of stack; there is no heap.
 //!
 //! ```
 //! use compass_board::{Effort, Error, Frame, Locator, sheets, words};

@@ -128,6 +128,11 @@ impl<M, const SEGMENTS: usize> Locator<M, SEGMENTS> {
         }
     }
 
+    /// The scratch, for whoever has it only after the rest is in its place.
+    pub const fn scratch_mut(&mut self) -> &mut M {
+        &mut self.scratch
+    }
+
     /// Line segments of a camera's frame.
     #[must_use]
     pub fn segments(&self, camera: usize) -> &[Segment] {

@@ -1,5 +1,5 @@
-//! The public entry points of `compass-core`, by module in its reading order, and of `compass-board`. Displaying errors
-//! is left out: that is `core::fmt`'s.
+//! The public entry points of `compass-core`, by module in its reading order. Displaying errors is left out: that is
+//! `core::fmt`'s.
 
 use compass_core::attitude::{self, Arc, Axes, Vertical};
 use compass_core::as_built;
@@ -25,9 +25,6 @@ use compass_core::spectrum::{self, Correlator, Extent};
 use compass_core::track::{Track, Usual};
 use compass_core::windows::level::{self, Edge, Finder, Level, Resolution, Upright, Window};
 use compass_core::windows::paper;
-
-/// The chain from frames to a pose, in memory that is lent.
-type Eyes = compass_board::Locator<&'static mut [u32]>;
 
 /// Headings of the search under evidence.
 const HEADINGS: usize = 90;
@@ -223,20 +220,6 @@ pub(crate) static ALL: &[Entry] = &entries![
     Track::step,
     Track::estimate,
     hypotheses,
-    // compass-board
-    Eyes::new,
-    Eyes::segments,
-    Eyes::vertical,
-    Eyes::sighting,
-    Eyes::see,
-    Eyes::detect,
-    Eyes::level,
-    Eyes::look,
-    Eyes::survey,
-    Eyes::evidence,
-    Eyes::locate,
-    Eyes::track,
-    walk_sheets,
 ];
 
 // What is generic or gives an iterator, for arguments as unknown as those of the rest.
@@ -294,10 +277,6 @@ fn walk_map(map: &SiteMap<'_>, visit: &mut dyn FnMut([u16; 2])) {
 
 fn walk_site(site: &Site<'_>, visit: &mut dyn FnMut(&str)) {
     site.floors().for_each(|floor| visit(floor.name()));
-}
-
-fn walk_sheets(site: &Site<'_>, visit: &mut dyn FnMut(Sheet<'_>)) {
-    compass_board::sheets(site).for_each(visit);
 }
 
 fn walk_rig(rig: &Rig, visit: &mut dyn FnMut(usize, &View)) {
