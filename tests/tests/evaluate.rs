@@ -76,6 +76,7 @@ fn a_recording_is_evaluated_and_resumed() {
         "reliability.png",
         "walls.png",
         "walls.csv",
+        "worst_1.png",
     ] {
         assert!(folder.read(&format!("a/{name}")).len() > 500, "{name}");
     }

@@ -1,6 +1,7 @@
 //! What is seen of floor and ceiling, before it is decided how high the ceiling is.
 
 use super::{BINS, CELLS, RUNGS, Ranges, evidence, height_m};
+use core::cmp::Reverse;
 use heapless::Vec;
 
 /// Most heights of the ceiling that are worth a look.
@@ -88,10 +89,14 @@ impl<'a> Survey<'a> {
 }
 
 /// Keeps the highest; of equal ones the lower ceiling, which comes first.
-fn insert(peaks: &mut Vec<(i32, i8), MAX_CEILINGS>, new: (i32, i8)) {
-    let at = peaks.iter().position(|peak| new.0 > peak.0).unwrap_or(peaks.len());
-    if at < MAX_CEILINGS {
-        peaks.truncate(MAX_CEILINGS - 1);
-        let _ = peaks.insert(at.min(peaks.len()), new);
+fn insert(peaks: &mut Vec<(i32, i8), MAX_CEILINGS>, mut new: (i32, i8)) {
+    let order = |(agreement, offset): (i32, i8)| (agreement, Reverse(offset));
+    for peak in peaks.iter_mut() {
+        // From the first that is lower on, each gives way to the one before it.
+        if order(new) > order(*peak) {
+            core::mem::swap(peak, &mut new);
+        }
     }
+    // Where all places are taken the lowest is left over.
+    let _ = peaks.push(new);
 }

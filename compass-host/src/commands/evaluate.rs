@@ -9,7 +9,7 @@ use crate::dataset::trajectory::Trajectory;
 use crate::dataset::tum::{self, Pose};
 use crate::evaluate::report::{self, Shown, Story};
 use crate::evaluate::sequence::Followed;
-use crate::evaluate::{Found, Job, Journal, Judge, Misses, PAPER, Record, Row, localize, sequence};
+use crate::evaluate::{Found, Job, Journal, Judge, Misses, PAPER, Record, Row, localize, sequence, worst};
 use crate::eyes::Mount;
 use crate::locator::Locator;
 use crate::output::{Decimal, JsonOption, create_dir, write_file};
@@ -195,6 +195,7 @@ impl Evaluate {
             right: &right,
             milliseconds: &milliseconds,
             walls,
+            worst: &worst::draw(&self.out, &shown, &recording.shots)?,
         };
         report::write(&self.out, &story)?;
         let output = Output {

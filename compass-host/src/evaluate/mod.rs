@@ -15,6 +15,7 @@ pub mod report;
 mod row;
 pub mod sequence;
 mod worker;
+pub mod worst;
 
 pub use evidence_file::Evidence;
 pub use journal::{Fingerprint, Journal};

@@ -1,6 +1,6 @@
 //! The report of an evaluation: its pictures and its page.
 
-use super::Row;
+use super::{Row, worst};
 use crate::as_built::Walls;
 use crate::figures::{self, ErrorCurve, ErrorSeries, Fix, PlanPicture, TrajectoryPicture};
 use crate::report::{Picture, Section, Table, write_html};
@@ -50,6 +50,8 @@ pub struct Story<'a> {
     pub milliseconds: &'a [(String, f64)],
     /// What was seen of the plan's walls.
     pub walls: &'a Walls,
+    /// Pictures of the worst frames.
+    pub worst: &'a [Picture],
 }
 
 /// Draws the pictures and writes `report.html`.
@@ -137,7 +139,7 @@ fn sections(story: &Story<'_>) -> Vec<Section> {
                  centred, and centred of the hit type and of the range alone."
                     .into(),
             ],
-            tables: vec![recall(story.rows)],
+            tables: vec![recall(story.rows), headings(story)],
             pictures: vec![
                 picture("trajectory.png", "Truth, frames by themselves and track over the plan"),
                 picture("errors.png", "Position error over time"),
@@ -159,7 +161,10 @@ fn sections(story: &Story<'_>) -> Vec<Section> {
             pictures: vec![picture("walls.png", "Walls of the plan, as they were seen")],
             ..Section::default()
         },
-        Section { title: "Worst frames".into(), tables: vec![worst(story)], ..Section::default() },
+        Section { title: "Worst frames".into(), tables: vec![worst_frames(story)],
+            pictures: story.worst.to_vec(),
+            ..Section::default()
+        },
         Section {
             title: "Time".into(),
             tables: vec![Table {
@@ -194,14 +199,39 @@ fn recall(rows: &[Row]) -> Table {
     }
 }
 
+/// Names of headings against the true one, and how far from it they are, degrees.
+const CONFUSIONS: [(&str, f64); 3] =
+    [("right", 0.0), ("a quarter turn off", 90.0), ("half a turn off", 180.0)];
+/// Headings this near count as such, degrees.
+const ALIKE_DEG: f64 = 15.0;
+
+/// What headings are confused with: rooms look alike from opposite ends, and buildings have right angles.
+fn headings(story: &Story<'_>) -> Table {
+    let scored: Vec<&Shown> = story.frames.iter().filter(|frame| frame.truth.is_some()).collect();
+    let share = |count: usize| format!("{:.1} %", 100.0 * count as f64 / scored.len().max(1) as f64);
+    let row = |(number, row): (usize, &Row)| {
+        let errors = || scored.iter().map(|frame| frame.degrees[number]);
+        let counts = CONFUSIONS.map(|(_, turn)| errors().filter(|e| (e - turn).abs() <= ALIKE_DEG).count());
+        let none = errors().filter(|error| !error.is_finite()).count();
+        let rest = scored.len() - none - counts.iter().sum::<usize>();
+        let cells = counts.into_iter().chain([rest, none]).map(share);
+        [row.name.to_owned()].into_iter().chain(cells).collect()
+    };
+    let head = [""].into_iter().chain(CONFUSIONS.map(|(name, _)| name)).chain(["otherwise", "no pose"]);
+    Table {
+        caption: "Headings, to 15 degrees, wherever the position".into(),
+        head: head.map(String::from).collect(),
+        rows: story.rows.iter().enumerate().map(row).collect(),
+    }
+}
+
 /// A number, or a dash for what was not found.
 fn metric(value: f64, digits: usize) -> String {
     if value.is_finite() { format!("{value:.digits$}") } else { "\u{2013}".to_owned() }
 }
 
-fn worst(story: &Story<'_>) -> Table {
-    let mut frames: Vec<&Shown> = story.frames.iter().filter(|frame| frame.truth.is_some()).collect();
-    frames.sort_by(|a, b| b.metres[0].total_cmp(&a.metres[0]));
+fn worst_frames(story: &Story<'_>) -> Table {
+    let frames = worst::by_error(story.frames);
     let at = |position: Option<[f64; 2]>| {
         position.map_or("\u{2013}".to_owned(), |[x, y]| format!("{x:.2}, {y:.2}"))
     };

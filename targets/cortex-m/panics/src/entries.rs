@@ -1,8 +1,8 @@
 //! The public entry points of `compass-core`, by module in its reading order. Displaying errors is left out: that is
 //! `core::fmt`'s.
 
-use compass_core::attitude::{self, Arc, Axes, Vertical};
 use compass_core::as_built;
+use compass_core::attitude::{self, Arc, Axes, Vertical};
 use compass_core::boundary::{self, Ranges, Survey, Surveyor};
 use compass_core::camera::{Camera, Equidistant, Eucm, KannalaBrandt, Rig, View};
 use compass_core::descriptor::{self, Descriptor};
