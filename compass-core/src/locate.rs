@@ -18,8 +18,8 @@ const SAME: Metres = Metres::from_bits(3 << 30);
 /// ... and turned by no more than this.
 const SAME_TURN: Turn = Turn::from_ratio(15, 360);
 
-/// Where the camera's height is not known, every second rung of it is tried: 13 %.
-const HEIGHT_STEP: usize = 2;
+/// Where the camera's height is not known, every second rung of it is tried, 13 %, and all where the answer is not sure.
+const HEIGHT_STEPS: [usize; 2] = [2, 1];
 /// An answer that leads by so much, 1/16 nat, needs no second look, with another ceiling.
 const SURE: i32 = 150 * 16;
 
@@ -102,8 +102,8 @@ type Found = (Mode, i8);
 ///
 /// # Cost
 /// For each ceiling tried one [`search`] per height, and as many [refinements](refine()) as [`Work::modes`]. Where the
-/// height is not known, a room of usual height allows about 7, and the best pose is refined with the two next to its own
-/// as well.
+/// height is not known, a room of usual height allows about 7, the best pose is refined with the two next to its own
+/// as well, and an answer that is not sure takes 14 more searches.
 #[inline]
 pub fn locate<const N: usize>(
     survey: &Survey<'_>,
@@ -117,23 +117,34 @@ pub fn locate<const N: usize>(
         ceilings.clear();
         let _ = ceilings.push(known);
     }
+    let [coarse, fine] = HEIGHT_STEPS;
     let mut best = Fix { answer: Answer::nothing(), height: room.height.unwrap_or(0), ceiling: 0 };
     for (tried, ceiling) in ceilings.into_iter().take(work.ceilings.max(1)).enumerate() {
         survey.ranges(ceiling, work.ranges);
-        let (answer, height) = look(room.height, sighting, sheets, work);
+        let (answer, height) = look(room.height, coarse, sighting, sheets, work);
         if tried == 0 || answer.margin() > best.answer.margin() {
             best = Fix { answer, height, ceiling };
         }
         if best.is_sure() {
-            break;
+            return best;
+        }
+    }
+    if room.height.is_none() {
+        survey.ranges(best.ceiling, work.ranges);
+        let (answer, height) = look(None, fine, sighting, sheets, work);
+        // With the same ceiling scores compare.
+        if answer.score() > best.answer.score() {
+            best = Fix { answer, height, ..best };
         }
     }
     best
 }
 
-/// The poses that explain best what was seen, with one ceiling, and the height of the camera.
+/// The poses that explain best what was seen, with one ceiling, and the height of the camera, of which every `step`-th is
+/// tried.
 fn look<const N: usize>(
     height: Option<i8>,
+    step: usize,
     sighting: &Sighting,
     sheets: &[Sheet<'_>],
     work: &mut Work<'_, N>,
@@ -143,7 +154,7 @@ fn look<const N: usize>(
     let mut evidence = Evidence { ranges, sighting, table, height: None };
     let wanted = (*modes).clamp(1, MAX_MODES);
     let mut found: Vec<Found, MAX_MODES> = Vec::new();
-    for height in heights.clone().step_by(HEIGHT_STEP) {
+    for height in heights.clone().step_by(step.max(1)) {
         rows.set(evidence.at(height));
         let count = search(rows, sheets, |_, _| true, pool);
         pool.iter().take(count.min(wanted)).for_each(|mode| offer(&mut found, wanted, (*mode, height)));

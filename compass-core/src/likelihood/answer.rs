@@ -34,6 +34,11 @@ impl Answer {
         self.modes.first()
     }
 
+    /// The best score; below all others without a pose.
+    pub(crate) fn score(&self) -> i32 {
+        self.best().map_or(i32::MIN, |mode| mode.score)
+    }
+
     /// By how much the best score exceeds the best one elsewhere, in 1/16 nat; the best score itself,
     /// which is relative to "nothing known", when there is no other.
     #[must_use]
