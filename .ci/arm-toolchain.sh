@@ -7,6 +7,7 @@
 #   arm_rustc TARGET ARGS...  its compiler
 #   arm_variable TARGET NAME  the environment variable by which cargo takes NAME for TARGET
 #   arm_emulator TARGET       the emulator's path, for targets that run a Linux program
+#   arm_libraries TARGET      the environment it needs for programs that are not static
 #
 # Two ways, tried in this order; COMPASS_ARM=rustup or COMPASS_ARM=debian allows only one.
 #   rustup  `rustup target add TARGET`
@@ -39,14 +40,16 @@ arm_cargo() {
   arm_ready "$target" || return
   local settings=(CARGO_BUILD_TARGET="$target" CARGO_TARGET_DIR="$(arm_directory)") cargo=cargo
   case $target in
-    *-linux-*) settings+=("$(arm_variable "$target" RUNNER)=$(arm_emulator "$target")") ;;
+    *-linux-*)
+      settings+=("$(arm_variable "$target" RUNNER)=$(arm_emulator "$target")" "$(arm_libraries "$target")")
+      settings+=("$(arm_variable "$target" LINKER)=$(arm_linker "$target")")
+      ;;
   esac
   if [[ ${ARM_WAY[$target]} == debian ]]; then
     cargo=/usr/bin/cargo
     settings+=(RUSTC=/usr/bin/rustc)
     case $target in
       *-linux-*)
-        settings+=("$(arm_variable "$target" LINKER)=$(arm_linker "$target")")
         if [[ -d $(arm_sysroot "$target") ]]; then
           settings+=("$(arm_variable "$target" RUSTFLAGS)=--sysroot $(arm_sysroot "$target")")
         else
@@ -82,6 +85,13 @@ arm_linker() {
     aarch64-*) echo aarch64-linux-gnu-gcc ;;
     armv7-*) echo arm-linux-gnueabihf-gcc ;;
   esac
+}
+
+# Where the emulator finds the libraries of programs that are not static, as a setting of the environment.
+arm_libraries() {
+  local linker
+  linker=$(arm_linker "$1")
+  echo "QEMU_LD_PREFIX=/usr/${linker%-gcc}"
 }
 
 # Newer distributions call the static emulator by the plain name.
