@@ -22,6 +22,7 @@
 //! | [`matching`] | search over candidates and headings |
 //! | [`likelihood`] | likelihood of a pose under a table of evidence: search and refinement |
 //! | [`camera`] | fisheye models, bearing to pixel and back; the rig of two |
+//! | [`shot`] | the file of what a rig's cameras took at one moment |
 //! | [`segments`] | line segments of an image, by edge drawing |
 //! | [`attitude`] | up vector and the building's axes from vanishing points |
 //! | [`windows`] | windows and hit type of every direction |
@@ -58,6 +59,7 @@ pub mod plan;
 pub mod raster;
 pub mod scan;
 pub mod segments;
+pub mod shot;
 pub mod sight;
 pub mod signature;
 pub mod similarity;

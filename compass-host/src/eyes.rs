@@ -66,6 +66,19 @@ pub enum Mount {
     Inverted,
 }
 
+impl Mount {
+    /// Roughly up in the axes of cam0, unless it is to be told from the windows.
+    #[must_use]
+    pub fn top(self) -> Option<Bearing> {
+        let top = Bearing::new(0.0, -1.0, 0.0);
+        match self {
+            Self::Auto => None,
+            Self::Upright => Some(top),
+            Self::Inverted => Some(-top),
+        }
+    }
+}
+
 /// One camera's detector, mask and last result.
 #[derive(Debug)]
 struct Eye {
@@ -223,12 +236,8 @@ impl Eyes {
     /// # Errors
     /// [`EyesError::NoVertical`] if too few segments agree; [`EyesError::NoSky`].
     pub fn vertical(&mut self, frames: [Option<&Frame>; 2], mount: Mount) -> Result<Vertical, EyesError> {
-        let top = Bearing::new(0.0, -1.0, 0.0);
-        let mut vertical = self.vertical_near(match mount {
-            Mount::Upright => Hint::Up(top),
-            Mount::Inverted => Hint::Up(-top),
-            Mount::Auto => Hint::Axis(top),
-        })?;
+        let hint = mount.top().map_or(Hint::Axis(-Bearing::y()), Hint::Up);
+        let mut vertical = self.vertical_near(hint)?;
         if mount == Mount::Auto && !self.sky_is_up(frames, &vertical.up)? {
             vertical.up = -vertical.up;
         }

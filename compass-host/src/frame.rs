@@ -3,7 +3,7 @@
 use crate::image_file::{self, ImageFileError, Pixels, Samples};
 use crate::wide::wide;
 use compass_core::camera::Pixel;
-use compass_core::raster::{BitMask, GrayImage};
+use compass_core::raster::{BitMask, GrayImage, is_red};
 use compass_core::segments::{self, Detected, Parameters, Segment, SegmentsError, Workspace};
 use std::path::Path;
 
@@ -73,6 +73,18 @@ impl Frame {
     #[must_use]
     pub fn rgb(&self) -> Option<&[u8]> {
         self.rgb.as_deref()
+    }
+
+    /// The red pixels, in the layout of [`BitMask`].
+    #[must_use]
+    pub fn red_mask(&self) -> Vec<u8> {
+        let row_bytes = BitMask::row_bytes(self.width);
+        let mut mask = vec![0; row_bytes * self.height as usize];
+        for (at, pixel) in self.rgb.iter().flat_map(|rgb| rgb.as_chunks::<3>().0).enumerate() {
+            let (x, y) = (at % self.width as usize, at / self.width as usize);
+            mask[y * row_bytes + x / 8] |= u8::from(is_red(*pixel)) << (x % 8);
+        }
+        mask
     }
 }
 

@@ -49,6 +49,15 @@ pub struct UpSources {
 }
 
 impl UpSources {
+    /// Roughly up in cam0, as far as that is told without looking.
+    #[must_use]
+    pub fn hint(&self) -> Option<Bearing> {
+        match (self.from, self.imu) {
+            (UpFrom::Imu | UpFrom::Both, Some(gravity)) => Some(gravity.up.cast()),
+            _ => self.mount.top(),
+        }
+    }
+
     /// The up vector in cam0 for frames whose segments were just detected, and what it is from.
     ///
     /// # Errors

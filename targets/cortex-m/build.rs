@@ -13,6 +13,8 @@ fn main() {
     }
     println!("cargo::rustc-env=COMPASS_BOARD={board}");
     println!("cargo::rustc-link-search={}", out.display());
-    println!("cargo::rustc-link-arg-bins=-Tlink.x");
-    println!("cargo::rustc-link-arg-bins=--nmagic");
+    for images in ["bins", "examples"] {
+        println!("cargo::rustc-link-arg-{images}=-Tlink.x");
+        println!("cargo::rustc-link-arg-{images}=--nmagic");
+    }
 }

@@ -3,6 +3,7 @@
 
 use compass_core::site::Site;
 use compass_core::site_map::SiteMap;
+use compass_host::calibration::NOMINAL_YAML;
 use compass_host::site_file::SiteFile;
 use compass_tests::{Folder, POSE, Ran, sample_map, sample_site};
 use image::{GrayImage, Luma};
@@ -412,4 +413,21 @@ fn a_reader_that_goes_away_is_no_error() {
     drop(child.stdout.take());
     let output = child.wait_with_output().unwrap();
     assert_eq!((output.status.code(), output.stderr.as_slice()), (Some(0), &b""[..]));
+}
+
+#[test]
+fn frames_that_cannot_be_packed() {
+    let folder = Folder::new();
+    draw(&folder, "frame.png", |x, _| x < 9);
+    folder.write("rig.yaml", NOMINAL_YAML.as_bytes());
+    let pack = "pack --calib rig.yaml --cam0 frame.png --out new.shot";
+    refused(&folder, pack, &["--mount", "up"]);
+    refused(&folder, &format!("{pack} --mount upright"), &["rig.yaml", "cam0", "800 x 600", "736 x 720"]);
+    GrayImage::from_pixel(184, 180, Luma([90])).save(folder.path("frame.png")).unwrap();
+    refused(&folder, &format!("{pack} --mount upright"), &["frame.png", "184 x 180", "368 x 360"]);
+    refused(&folder, &format!("{pack} --mount upright --size 90x92"), &["rig.yaml", "90 x 92", "swapped"]);
+    refused(&folder, &format!("{pack} --mount upright --size 92x90 --cam1 no.png"), &["no.png"]);
+    misused(&folder, &format!("{pack} --mount upright --size 92"), "--size");
+    misused(&folder, &format!("{pack} --mount upright --camera-height 0.2"), "--camera-height");
+    assert_eq!(folder.run(&format!("{pack} --mount upright --size 92x90")).status, Some(0), "the good one");
 }

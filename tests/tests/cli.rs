@@ -1,7 +1,13 @@
 //! The commands from end to end, as a script sees them, on the bundled sample building.
 
+use compass_core::camera::Bearing;
+use compass_core::raster::is_red;
+use compass_core::shot::Shot;
+use compass_host::calibration::Calibration;
+use compass_host::dataset::tum::Pose;
+use compass_host::frame::Frame;
 use compass_host::sample::{self, FRAME_POSE};
-use compass_tests::{Folder, POSE, angle, number, numbers, sample_map, sample_site};
+use compass_tests::{Folder, POSE, angle, number, numbers, sample_frames, sample_map, sample_site};
 use image::{GrayImage, Luma};
 use serde_json::Value;
 use std::f64::consts::SQRT_2;
@@ -340,7 +346,9 @@ fn the_demo_finds_itself_and_draws_the_report() {
     // Whatever else is drawn is whole, and nothing temporary is left.
     let drawn = |p: &&PathBuf| p.starts_with(folder.path("report")) && p.is_file();
     for path in folder.names().iter().filter(drawn) {
-        let other = path.ends_with("report.html") || path.ends_with("seen/sample.site");
+        let other = ["report.html", "seen/sample.site", "seen/calibration.yaml"]
+            .iter()
+            .any(|name| path.ends_with(name));
         assert!(other || image::open(path).is_ok(), "{}", path.display());
     }
 }
@@ -353,4 +361,46 @@ fn help_and_version_succeed() {
         assert_eq!((ran.status, ran.stderr.as_str()), (Some(0), ""), "{line}");
         assert!(ran.stdout.contains("compass"), "{line}: {}", ran.stdout);
     }
+}
+
+#[test]
+fn packed_frames_are_means_with_their_lenses() {
+    let folder = Folder::new();
+    let ([x, y], heading) = FRAME_POSE;
+    let frames = sample_frames(&Pose::looking(0, [x, y, 1.6], heading, 4.0, 187.0), (184, 180));
+    let cameras = folder.write_frames(&frames);
+    let told = "--mount inverted --camera-height 1.6 --time-ns -7 --size 92x90";
+    let result = folder.json(&format!("pack {cameras} {told} --out both.shot"));
+    assert_eq!((number(&result["cameras"]), number(&result["width"])), (2.0, 92.0));
+    let bytes = folder.read("both.shot");
+    assert_eq!(number(&result["bytes"]), bytes.len() as f64);
+    let shot = Shot::new(&bytes).unwrap();
+    shot.verify().unwrap();
+    let header = shot.header();
+    assert_eq!((header.time_ns, header.height_m), (-7, Some(1.6)));
+    assert_eq!(header.up, Bearing::y());
+    assert_eq!(header.rig, Calibration::nominal().rig([Some((92, 90)); 2]).unwrap());
+    for (image, frame) in shot.images().iter().zip(frames) {
+        let (gray, red) = image.unwrap();
+        let large = Frame::from_rgb(frame.clone()).unwrap();
+        let mut reds = 0;
+        for (x, y) in (0..90).flat_map(|y| (0..92).map(move |x| (x, y))) {
+            let block = [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[i, j]| (2 * x + i, 2 * y + j));
+            let sum: u32 =
+                block.iter().map(|(x, y)| u32::from(large.gray().row(*y as usize)[*x as usize])).sum();
+            let found = gray.row(y as usize)[x as usize];
+            assert!((f64::from(sum) / 4.0 - f64::from(found)).abs() <= 1.5, "{x}, {y}: {found}, {sum} / 4");
+            if block.iter().all(|(x, y)| is_red(frame.get_pixel(*x, *y).0)) {
+                assert!(red.get(x, y), "{x}, {y}");
+                reds += 1;
+            }
+        }
+        println!("{reds} red pixels");
+    }
+    let alone = folder.json("pack --calib rig.yaml --cam1 cam1.png --up 0,1,0.1 --size 92x90 --out one.shot");
+    assert_eq!(number(&alone["cameras"]), 1.0);
+    let bytes = folder.read("one.shot");
+    let shot = Shot::new(&bytes).unwrap();
+    assert!(shot.images()[0].is_none() && shot.header().height_m.is_none());
+    assert_eq!(shot.header().up, Bearing::new(0.0, 1.0, 0.1));
 }

@@ -4,7 +4,6 @@
 //! rewrites the files.
 
 use compass_core::plan::Plan;
-use compass_core::raster::{BitMask, is_red};
 use compass_core::site_map::SiteMap;
 use compass_host::calibration::Calibration;
 use compass_host::dataset::tum::Pose;
@@ -68,17 +67,6 @@ fn frame_pose() -> Pose {
     Pose::looking(0, [x, y, 1.6], heading, 4.0, 187.0)
 }
 
-/// The red pixels of interleaved RGB, in the layout of [`BitMask`].
-fn red_mask(rgb: &[u8]) -> Vec<u8> {
-    let row_bytes = BitMask::row_bytes(FRAME.0);
-    let mut mask = vec![0; row_bytes * FRAME.1 as usize];
-    for (at, pixel) in rgb.as_chunks::<3>().0.iter().enumerate() {
-        let (x, y) = (at % FRAME.0 as usize, at / FRAME.0 as usize);
-        mask[y * row_bytes + x / 8] |= u8::from(is_red(*pixel)) << (x % 8);
-    }
-    mask
-}
-
 #[test]
 fn committed_frames_are_current() {
     let (raster, _) = sample_plan();
@@ -88,6 +76,6 @@ fn committed_frames_are_current() {
         let frame = Frame::from_rgb(image.unwrap()).unwrap();
         let name = format!("frame_{}x{}_cam{camera}", FRAME.0, FRAME.1);
         compare(&format!("{name}.gray"), frame.gray().pixels());
-        compare(&format!("{name}.red"), &red_mask(frame.rgb().unwrap()));
+        compare(&format!("{name}.red"), &frame.red_mask());
     }
 }

@@ -8,7 +8,7 @@ use crate::frame::Frame;
 use crate::up::{UpFrom, UpSources};
 use anyhow::{Result, bail};
 use compass_core::boundary::HEIGHTS_M;
-use compass_core::camera::Bearing;
+use compass_core::camera::{Bearing, Rig};
 use std::path::PathBuf;
 
 /// A calibration and the frames of one or two cameras.
@@ -107,9 +107,33 @@ impl Up {
         self.given.is_some()
     }
 
+    /// Roughly up in cam0, as far as that is told without looking.
+    pub(super) fn hint(&self) -> Option<Bearing> {
+        self.given.or_else(|| self.sources.hint())
+    }
+
     /// The up vector in cam0: that given, that of the IMU, or that of the frames whose segments were just detected.
     pub(super) fn resolve(&self, eyes: &mut Eyes, frames: [Option<&Frame>; 2]) -> Result<Bearing, EyesError> {
         self.given.map_or_else(|| Ok(self.sources.resolve(eyes, frames)?.0), Ok)
+    }
+}
+
+/// What the options name.
+pub(super) struct Taken {
+    pub(super) calibration: Calibration,
+    pub(super) frames: [Option<Frame>; 2],
+    pub(super) up: Up,
+    /// Height of cam0 above the floor in metres, where it is known.
+    pub(super) height_m: Option<f32>,
+    /// The files of the frames, for messages.
+    pub(super) name: String,
+}
+
+impl Taken {
+    /// The rig for frames as they are.
+    pub(super) fn rig(&self) -> Result<Rig> {
+        let sizes = self.frames.each_ref().map(|frame| frame.as_ref().map(|f| (f.width(), f.height())));
+        Ok(self.calibration.rig(sizes)?)
     }
 }
 
@@ -131,7 +155,7 @@ impl CameraArgs {
     }
 
     /// Reads the calibration and the frames.
-    pub(super) fn load(&self) -> Result<Cameras> {
+    pub(super) fn read(&self) -> Result<Taken> {
         let paths = [&self.cam0, &self.cam1];
         if paths.iter().all(|path| path.is_none()) {
             bail!("no frame: name one with --cam0 IMAGE, --cam1 IMAGE or both");
@@ -139,12 +163,18 @@ impl CameraArgs {
         let Some(calib) = &self.calib else { bail!("no calibration: name one with --calib FILE") };
         let calibration = Calibration::load(calib)?;
         let [cam0, cam1] = paths.map(|path| path.as_ref().map(|path| Frame::read(path)).transpose());
-        let frames = [cam0?, cam1?];
-        let rig = calibration.rig(frames.each_ref().map(|f| f.as_ref().map(|f| (f.width(), f.height()))))?;
         let files: Vec<_> = paths.into_iter().flatten().map(|path| path.display().to_string()).collect();
         let up = self.up.with(self.imu.source()?, self.imu.load(&calibration)?);
-        let height_m = self.camera_height;
-        Ok(Cameras { frames, eyes: Eyes::new(rig), up, height_m, name: files.join(", ") })
+        let (height_m, name) = (self.camera_height, files.join(", "));
+        Ok(Taken { calibration, frames: [cam0?, cam1?], up, height_m, name })
+    }
+
+    /// Reads the calibration and the frames, and makes eyes for them.
+    pub(super) fn load(&self) -> Result<Cameras> {
+        let taken = self.read()?;
+        let eyes = Eyes::new(taken.rig()?);
+        let Taken { frames, up, height_m, name, .. } = taken;
+        Ok(Cameras { frames, eyes, up, height_m, name })
     }
 }
 

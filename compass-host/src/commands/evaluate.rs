@@ -25,7 +25,7 @@ mod output;
 use output::{Frame, Output, Placed, Tracked};
 
 /// The ways of localizing, in the order of the report.
-const ROWS: [&str; 7] = ["single", "track", "oracle", PAPER[0].0, PAPER[1].0, PAPER[2].0, PAPER[3].0];
+const ROWS: [&str; 6] = ["single", "track", "oracle", PAPER[0].0, PAPER[1].0, PAPER[2].0];
 #[derive(Debug, clap::Args)]
 pub(super) struct Evaluate {
     /// The site file
@@ -267,7 +267,6 @@ impl<'a> Finished<'a> {
             best(&record.paper[0]),
             best(&record.paper[1]),
             best(&record.paper[2]),
-            best(&record.paper[3]),
         ];
         let misses = all.map(|found| truth.map_or(Misses::ALL, |truth| judge.misses(found, &truth)));
         Self { record, estimate, track, truth, misses, judge }
@@ -312,8 +311,7 @@ impl<'a> Finished<'a> {
             oracle: placed(self.record.oracle.first(), 2),
             paper_plain: placed(self.record.paper[0].first(), 3),
             paper_centred: placed(self.record.paper[1].first(), 4),
-            paper_hit_type: placed(self.record.paper[2].first(), 5),
-            paper_range: placed(self.record.paper[3].first(), 6),
+            paper_range: placed(self.record.paper[2].first(), 5),
         }
     }
 }

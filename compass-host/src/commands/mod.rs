@@ -10,6 +10,7 @@ mod evaluate;
 mod gravity;
 mod localize;
 mod map;
+mod pack;
 mod pictures;
 mod plan;
 mod see;
@@ -40,6 +41,8 @@ enum Command {
     Localize(localize::Localize),
     /// Localize a recording frame by frame and as a sequence, and hold it against the truth
     Evaluate(evaluate::Evaluate),
+    /// Pack the frames of one or two cameras as a board reads them
+    Pack(pack::Pack),
     /// Compare the fixed-point core with the float reference, stage by stage
     Compare(compare::Compare),
     /// Compare window or wall as the cameras see it with the plan at a known pose
@@ -77,6 +80,7 @@ impl Cli {
             Command::Map(command) => command.run(),
             Command::Localize(command) => command.run(),
             Command::Evaluate(command) => command.run(),
+            Command::Pack(command) => command.run(),
             Command::Compare(command) => command.run(),
             Command::CompareHits(command) => command.run(),
             Command::Segments(command) => command.run(),

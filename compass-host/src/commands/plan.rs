@@ -108,6 +108,13 @@ pub(super) fn pair(text: &str) -> Result<[f64; 2], String> {
     Ok([finite(x.trim()).map_err(|_| wanted())?, finite(y.trim()).map_err(|_| wanted())?])
 }
 
+/// Two whole numbers, `WxH`.
+pub(super) fn size(text: &str) -> Result<(u32, u32), String> {
+    let sides = text.split_once('x').and_then(|(w, h)| w.parse().ok().zip(h.parse().ok()));
+    let good = sides.filter(|(w, h)| (1..=20_000).contains(w) && (1..=20_000).contains(h));
+    good.ok_or_else(|| format!("'{text}' is not WxH with sides of 1 to 20000 pixels"))
+}
+
 /// A finite number.
 pub(super) fn finite(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {

@@ -1,7 +1,7 @@
 //! `compass simulate`: dual-fisheye frames rendered from a plan.
 
 use super::Outcome;
-use super::plan::{PlanArgs, finite};
+use super::plan::{PlanArgs, finite, size};
 use crate::calibration::{Calibration, NOMINAL_YAML};
 use crate::dataset::tum::{self, Pose};
 use crate::output::{Decimal, JsonOption, write_file, write_png};
@@ -162,13 +162,6 @@ impl Simulate {
             )
         })
     }
-}
-
-/// Two whole numbers, `WxH`.
-fn size(text: &str) -> Result<(u32, u32), String> {
-    let sides = text.split_once('x').and_then(|(w, h)| w.parse().ok().zip(h.parse().ok()));
-    let good = sides.filter(|(w, h)| (1..=20_000).contains(w) && (1..=20_000).contains(h));
-    good.ok_or_else(|| format!("'{text}' is not WxH with sides of 1 to 20000 pixels"))
 }
 
 /// A number from 0 to 1.

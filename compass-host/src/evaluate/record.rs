@@ -8,10 +8,9 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// Ways of matching with the paper's cosine: by name, similarity and channel weights.
-pub const PAPER: [(&str, Similarity, Weights); 4] = [
+pub const PAPER: [(&str, Similarity, Weights); 3] = [
     ("paper, plain", Similarity::Plain, Weights::EQUAL),
     ("paper, centred", Similarity::Centred, Weights::EQUAL),
-    ("paper, hit type", Similarity::Centred, Weights::HIT_TYPE),
     ("paper, range", Similarity::Centred, Weights::RANGE),
 ];
 

@@ -136,7 +136,7 @@ fn sections(story: &Story<'_>) -> Vec<Section> {
                 "Single: each frame by itself. Track: the sequence, each frame with those before it. Oracle: the same \
                  search as for single frames, with evidence that the plan gives at the true pose; what it misses \
                  the matcher misses. Paper: the cosine of descriptors of what was seen, of all five channels plain and \
-                 centred, and centred of the hit type and of the range alone."
+                 centred, and centred of the range alone."
                     .into(),
             ],
             tables: vec![recall(story.rows), headings(story)],

@@ -15,6 +15,7 @@
 #![no_std]
 
 pub mod counter;
+pub mod files;
 pub mod image;
 pub mod stack;
 

@@ -16,6 +16,13 @@ pub fn high_water_mark() -> usize {
     &raw const _stack_start as usize - deepest() as usize
 }
 
+/// Bytes of stack in use by the caller and its callers.
+#[must_use]
+#[inline(always)]
+pub fn depth() -> usize {
+    &raw const _stack_start as usize - msp::read() as usize
+}
+
 /// Bytes left to the painter itself.
 const OWN: usize = 64;
 

@@ -30,7 +30,11 @@ pub(crate) static FRAMES: [(&[u8], &[u8]); 2] = [
 ];
 
 /// Both frames, as the eyes take them.
-pub(crate) fn frames() -> [Option<Frame<'static>>; 2] {
+///
+/// # Panics
+/// Never: the files have their size.
+#[must_use]
+pub fn frames() -> [Option<Frame<'static>>; 2] {
     FRAMES.map(|(gray, red)| {
         let (width, height) = (WIDTH.into(), HEIGHT.into());
         let gray = GrayImage::new(gray, width, height).expect("the frame has its size");
@@ -40,10 +44,14 @@ pub(crate) fn frames() -> [Option<Frame<'static>>; 2] {
 }
 
 /// The rig hangs upside down.
-pub(crate) const UP: Hint = Hint::Up(Bearing::new(0.0, 1.0, 0.0));
+pub const UP: Hint = Hint::Up(Bearing::new(0.0, 1.0, 0.0));
 
 /// The nominal rig of `compass-host`, for frames half as wide and high.
-pub(crate) fn rig() -> Rig {
+///
+/// # Panics
+/// Never: it is a usual one.
+#[must_use]
+pub fn rig() -> Rig {
     let view = |[fx, fy, cx, cy]: [f32; 4], k| {
         let lens = KannalaBrandt::new(Intrinsics { fx, fy, cx, cy }, k).expect("a usual lens");
         View::new(Camera::KannalaBrandt(lens), WIDTH, HEIGHT)

@@ -9,8 +9,10 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+mod chain;
 mod eyes;
 
+pub use chain::{Chain, Found, Meter};
 use compass_board::{Effort, Locator};
 use compass_core::boundary::height_rungs;
 use compass_core::descriptor::Descriptor;
@@ -26,8 +28,7 @@ use compass_core::spectrum::{Complex, MAX_POINTS, forward};
 use compass_core::track::{Estimate, Motion, Track};
 use core::fmt::{self, Write as _};
 use crc::{CRC_32_ISO_HDLC, Crc, Digest};
-pub use eyes::Eyes;
-use eyes::{UP, frames, rig};
+pub use eyes::{Eyes, UP, frames, rig};
 
 /// Angles of the trigonometry stages.
 const ANGLES: usize = 2 * BINS;
@@ -99,7 +100,12 @@ impl<'a> Inputs<'a> {
         SiteMap::new(self.map).expect("the input is a site map")
     }
 
-    fn sheet(&self) -> Sheet<'a> {
+    /// Map and plan as one sheet.
+    ///
+    /// # Panics
+    /// If they are none.
+    #[must_use]
+    pub fn sheet(&self) -> Sheet<'a> {
         Sheet { map: self.map(), layer: 0, plan: self.plan(), floor: 0 }
     }
 }

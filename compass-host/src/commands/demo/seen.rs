@@ -1,6 +1,6 @@
 //! The second half of the demo: from two rendered frames to a pose.
 
-use crate::calibration::Calibration;
+use crate::calibration::{Calibration, NOMINAL_YAML};
 use crate::commands::debug::Found;
 use crate::commands::localize::{Pose, pose_of};
 use crate::commands::pictures;
@@ -37,7 +37,7 @@ pub(super) struct Seen {
     pub(super) milliseconds: f64,
 }
 
-/// Renders two frames, writes them and a site file into `dir`, finds their pose and draws how.
+/// Renders two frames, writes them, their calibration and a site file into `dir`, finds their pose and draws how.
 pub(super) fn run(dir: &Path, raster: &PlanRaster, plan: &PackedPlan) -> Result<Seen> {
     create_dir(dir)?;
     let path = dir.join("sample.site");
@@ -50,6 +50,7 @@ pub(super) fn run(dir: &Path, raster: &PlanRaster, plan: &PackedPlan) -> Result<
     let ([x, y], heading) = FRAME_POSE;
     let pose = tum::Pose::looking(0, [x, y, HEIGHT_M], heading, PITCH_ROLL_DEG[0], PITCH_ROLL_DEG[1]);
     let rig = Calibration::nominal().rig([Some(SIZE); 2])?;
+    write_file(&dir.join("calibration.yaml"), NOMINAL_YAML.as_bytes())?;
     let images = render(&Scene::new(&SceneOptions::default(), raster), &rig, &pose);
     for (camera, image) in images.iter().enumerate() {
         let image = image.as_ref().context("the rig has two cameras")?;

@@ -14,6 +14,7 @@ use compass_core::plan::{self, Frame, MarchError, Plan};
 use compass_core::raster::{BitMask, GrayImage, RgbImage};
 use compass_core::scan::{Hit, Scan};
 use compass_core::segments;
+use compass_core::shot::{self, Shot};
 use compass_core::sight;
 use compass_core::signature::Signature;
 use compass_core::similarity::{Candidate, Confidence, Peak, Profile, Query};
@@ -163,6 +164,12 @@ pub(crate) static ALL: &[Entry] = &entries![
     Rig::back_to_back,
     Rig::view,
     walk_rig,
+    // shot
+    Shot::new,
+    Shot::verify,
+    shot::Writer::new,
+    shot::Writer::shot_bytes,
+    write_shot,
     // segments
     segments::detect,
     // attitude
@@ -268,6 +275,10 @@ fn write_map(sink: Bytes<'_>, header: &Header, candidates: &[([u16; 2], &[Layer]
 }
 
 fn write_site(sink: Bytes<'_>, writer: &site::Writer<'_, '_>) -> Result<(), ()> {
+    writer.write(sink).map(drop)
+}
+
+fn write_shot(sink: Bytes<'_>, writer: &shot::Writer<'_>) -> Result<(), ()> {
     writer.write(sink).map(drop)
 }
 

@@ -1,7 +1,7 @@
 //! What the operations of a localization cost on a board, on any map: the figures by which a board is chosen.
 //!
 //! Arguments: a site file, whose first floor is taken, or a plain site map and the packed plan it was made from; files
-//! of the host, which are read into RAM.
+//! of the host, which are read into external memory.
 //!
 //! Figures are instructions, means over candidates spread over the map; a query is the descriptor of
 //! another candidate's place. `part` lines say where a figure above them comes from.
@@ -17,19 +17,12 @@ use compass_core::similarity::{Candidate, Confidence, Query, Similarity, Weights
 use compass_core::site::Site;
 use compass_core::site_map::{SiteMap, SketchQuery};
 use compass_core::spectrum::{Complex, Correlator, Extent, MAX_POINTS, forward, inverse};
+use compass_firmware::files::{self, refuse};
 use compass_firmware::{counter::Counter, stack};
-use core::ffi::CStr;
 use core::hint::black_box;
 use cortex_m_rt::entry;
-use semihosting::experimental::env;
-use semihosting::fs::File;
-use semihosting::io::Read;
 use semihosting::{println, process};
 
-/// Bytes of the map and the plan together.
-const INPUT_BYTES: usize = 3_800_000;
-/// Bytes of the command line.
-const LINE_BYTES: usize = 1024;
 /// Candidates that figures are averaged over.
 const SAMPLES: usize = 20;
 /// Direction of the scans: no special case of the trigonometry.
@@ -76,10 +69,9 @@ impl Workspace {
 
 #[entry]
 fn main() -> ! {
-    static mut INPUT: [u8; INPUT_BYTES] = [0; INPUT_BYTES];
     static mut WORKSPACE: Workspace = Workspace::EMPTY;
 
-    let (map, plan) = read_files(INPUT);
+    let (map, plan) = read_files();
     let (map_bytes, plan_bytes) = (map.as_bytes().len(), plan.as_bytes().len());
     println!("bytes map {map_bytes} plan {plan_bytes} workspace {}", size_of::<Workspace>());
     map.verify().expect("the site map is whole");
@@ -274,33 +266,19 @@ fn part(name: &str, instructions: u64) {
 }
 
 /// Reads the first floor of the site file that is named by the only argument, or the two files of two.
-fn read_files(memory: &mut [u8]) -> (SiteMap<'_>, Plan<'_>) {
-    let arguments = env::args::<LINE_BYTES>().expect("the command line is short");
-    let mut paths = (&arguments).skip(1).map(|path| path.expect("paths are UTF-8"));
+fn read_files() -> (SiteMap<'static>, Plan<'static>) {
+    let arguments = files::arguments();
+    let mut paths = (&arguments).skip(1).flatten();
     let Some(first) = paths.next() else {
-        panic!(
-            "usage: -append \"SITE\" or \"MAP PLAN\", names of a site file, or of a site map and its packed plan"
-        )
+        refuse("usage", &"-append \"SITE\" or \"MAP PLAN\": a site file, or a site map and its packed plan")
     };
-    let (bytes, rest) = read_file(first, memory);
+    // SAFETY: the only call.
+    let (bytes, rest) = files::read(first, unsafe { files::external() });
     let Some(second) = paths.next() else {
-        let site = Site::new(bytes).expect("the only file is a site file");
+        let site = Site::new(bytes).unwrap_or_else(|error| refuse(first, &error));
         let floor = site.floor(0).expect("a site has a floor");
         return (*floor.map(), floor.plan(0).expect("a floor has a plan"));
     };
-    let map = SiteMap::new(bytes).expect("the first file is a site map");
-    (map, Plan::new(read_file(second, rest).0).expect("the second file is a packed plan"))
-}
-
-/// Reads a file to the front of `memory`; returns it and the rest.
-fn read_file<'a>(path: &str, memory: &'a mut [u8]) -> (&'a [u8], &'a mut [u8]) {
-    let mut name = [0; LINE_BYTES];
-    name.get_mut(..path.len()).expect("the command line is no longer").copy_from_slice(path.as_bytes());
-    let name = CStr::from_bytes_until_nul(&name).expect("the path is shorter than the buffer");
-    let mut file = File::open(name).unwrap_or_else(|error| panic!("{path}: {error:?}"));
-    let length = file.metadata().unwrap_or_else(|error| panic!("{path}: {error:?}")).len();
-    let split = usize::try_from(length).ok().and_then(|length| memory.split_at_mut_checked(length));
-    let Some((bytes, rest)) = split else { panic!("{path}: {length} bytes do not fit {INPUT_BYTES}") };
-    file.read_exact(bytes).unwrap_or_else(|error| panic!("{path}: {error:?}"));
-    (bytes, rest)
+    let map = SiteMap::new(bytes).unwrap_or_else(|error| refuse(first, &error));
+    (map, Plan::new(files::read(second, rest).0).unwrap_or_else(|error| refuse(second, &error)))
 }

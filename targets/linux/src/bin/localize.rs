@@ -1,0 +1,63 @@
+//! What the firmware of the same name finds, on the host or on (emulated) ARM Linux: `localize SITE SHOT...`.
+
+use compass_board::sheets;
+use compass_core::shot::Shot;
+use compass_core::site::Site;
+use compass_golden::{Chain, Meter};
+use std::error::Error;
+use std::process::ExitCode;
+use std::sync::Mutex;
+
+struct Unmeasured;
+
+impl Meter for Unmeasured {
+    fn step<T>(&mut self, _: &'static str, work: impl FnOnce() -> T) -> T {
+        work()
+    }
+}
+
+fn main() -> ExitCode {
+    match run() {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::from(1),
+        Err(error) => {
+            eprintln!("localize: {error}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Whether all poses are known.
+fn run() -> Result<bool, Box<dyn Error>> {
+    static CHAIN: Mutex<Chain> = Mutex::new(Chain::new());
+    let mut paths = std::env::args().skip(1);
+    let (Some(path), 1..) = (paths.next(), paths.len()) else {
+        return Err("usage: localize SITE SHOT...".into());
+    };
+    let in_file = |path: &str, error: &dyn Error| format!("{path}: {error}");
+    let bytes = std::fs::read(&path).map_err(|e| in_file(&path, &e))?;
+    let site =
+        Site::new(&bytes).and_then(|site| site.verify().map(|()| site)).map_err(|e| in_file(&path, &e))?;
+    let sheets: Vec<_> = sheets(&site).collect();
+    let mut chain = CHAIN.lock().expect("nobody else holds it");
+    let mut known = true;
+    for path in paths {
+        let bytes = std::fs::read(&path).map_err(|e| in_file(&path, &e))?;
+        let shot = Shot::new(&bytes)
+            .and_then(|shot| shot.verify().map(|()| shot))
+            .map_err(|e| in_file(&path, &e))?;
+        println!("shot {path}");
+        match chain.run(&sheets, &shot, &mut Unmeasured) {
+            Ok(found) => {
+                println!("{found}");
+                known &= found.is_known();
+            }
+            Err(compass_board::Error::Up) => {
+                println!("pose none: {}", compass_board::Error::Up);
+                known = false;
+            }
+            Err(error) => return Err(in_file(&path, &error).into()),
+        }
+    }
+    Ok(known)
+}
