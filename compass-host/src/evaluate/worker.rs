@@ -19,6 +19,9 @@ use compass_core::sight;
 use compass_core::similarity::Confidence;
 use std::collections::BTreeMap;
 
+/// What was seen, the up vector, and what told it.
+type Seen = (Evidence, [f32; 3], UpFrom);
+
 /// Sizes of the frames of the two cameras.
 type Sizes = [Option<(u32, u32)>; 2];
 
@@ -95,7 +98,7 @@ impl<'a> Worker<'a> {
         frames: [Option<&Frame>; 2],
         up: &UpSources,
         clock: &mut Clock,
-    ) -> Result<Result<(Evidence, [f32; 3], UpFrom), EyesError>> {
+    ) -> Result<Result<Seen, EyesError>> {
         let eyes = self.eyes(frames.map(|frame| frame.map(|frame| (frame.width(), frame.height()))))?;
         let mut see = || {
             eyes.detect(frames)?;
