@@ -98,7 +98,6 @@ impl core::error::Error for ShotError {}
 
 /// What a shot says beside its images.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Header {
     /// When, in nanoseconds since anything.
     pub time_ns: i64,
