@@ -119,7 +119,7 @@ pub fn locate<const N: usize>(
     }
     let [coarse, fine] = HEIGHT_STEPS;
     let mut best = Fix { answer: Answer::nothing(), height: room.height.unwrap_or(0), ceiling: 0 };
-    for (tried, ceiling) in ceilings.into_iter().take(work.ceilings.max(1)).enumerate() {
+    for (tried, &ceiling) in ceilings.iter().take(work.ceilings.max(1)).enumerate() {
         survey.ranges(ceiling, work.ranges);
         let (answer, height) = look(room.height, coarse, sighting, sheets, work);
         if tried == 0 || answer.margin() > best.answer.margin() {
