@@ -14,7 +14,7 @@ pub use types::{
     CompassFix, CompassFrame, CompassMotion, CompassPose, CompassRoom, CompassScan, CompassStatus,
 };
 
-/// The library does not panic; a handler is needed all the same where there is no operating system.
+/// The core does not panic; that this library links without a way to is not shown yet.
 #[cfg(target_os = "none")]
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
