@@ -20,8 +20,8 @@ const SAME_TURN: Turn = Turn::from_ratio(15, 360);
 
 /// Where the camera's height is not known, every second rung of it is tried, 13 %, and all where the answer is not sure.
 const HEIGHT_STEPS: [usize; 2] = [2, 1];
-/// An answer that leads by so much, 1/16 nat, needs no second look, with another ceiling.
-const SURE: i32 = 150 * 16;
+/// An answer that leads by so many nats needs no second look, with another ceiling.
+pub const SURE_NATS: i32 = 150;
 
 /// Log odds against an answer whose margin is 0, and what they lose per unit of ln(1 + margin in nats).
 const CERTAINTY: [f32; 2] = [14.02, 3.26];
@@ -88,7 +88,7 @@ impl Fix {
     /// Whether the answer leads by so much that no other height of the ceiling was tried.
     #[must_use]
     pub fn is_sure(&self) -> bool {
-        self.answer.margin() >= SURE
+        self.answer.margin() >= 16 * SURE_NATS
     }
 }
 

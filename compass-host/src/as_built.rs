@@ -7,9 +7,8 @@ use crate::output::{Decimal, write_file};
 use anyhow::Result;
 use compass_core::as_built::compare;
 use compass_core::likelihood::{Mode, Table};
-use compass_core::num::BINS;
 use compass_core::plan::Plan;
-use compass_core::scan::Scan;
+use compass_core::scan::{STEPS_PER_METRE, Scan};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -83,20 +82,23 @@ impl WallsSeen {
 pub struct Walls {
     /// By tile: column and row of the map from its origin.
     tiles: BTreeMap<[i32; 2], Tile>,
+    /// Metres.
+    seen_from: Vec<[f64; 2]>,
 }
 
 impl Walls {
     /// Takes in what was seen from a pose, with the plan as drawn. A pose in a wall says nothing.
     pub fn add(&mut self, plan: &Plan<'_>, pose: &Mode, table: &Table) {
-        let mut scan = Scan { steps: [0; BINS], ..Scan::OPEN };
+        let mut scan = Scan::OPEN;
         if plan.scan(pose.at, pose.heading, &mut scan).is_err() {
             return;
         }
         let at: [f64; 2] = [pose.at.x.to_num(), pose.at.y.to_num()];
+        self.seen_from.push(at);
         let heading = f64::from(pose.heading.to_microdegrees()) / 1e6;
         let mut seen: BTreeMap<[i32; 2], [i32; 2]> = BTreeMap::new();
         for ((bin, steps), verdict) in scan.steps.iter().enumerate().zip(compare(table, &scan)) {
-            let range = f64::from(*steps) * 0.02;
+            let range = f64::from(*steps) / f64::from(STEPS_PER_METRE);
             if verdict != 0 && range <= FARTHEST_M {
                 let (sin, cos) = libm::sincos((heading + bin as f64).to_radians());
                 let tile = [at[0] + range * cos, at[1] + range * sin].map(|m| (m / TILE_M).floor() as i32);
@@ -109,6 +111,12 @@ impl Walls {
             tile.nats += f64::from(sum) / f64::from(count) / 16.0;
             tile.frames += 1;
         }
+    }
+
+    /// The positions that were taken in, metres.
+    #[must_use]
+    pub fn seen_from(&self) -> &[[f64; 2]] {
+        &self.seen_from
     }
 
     /// The tiles that were seen, by their middles in metres.
@@ -132,5 +140,45 @@ impl Walls {
             let _ = writeln!(text, "{x:.1},{y:.1},{nats:.2},{frames}");
         }
         write_file(path, text.as_bytes())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evaluate::sharp;
+    use crate::plan_import::PlanRaster;
+    use crate::plan_import::structure::{DEFAULT_THICKNESS_M, keep_structure};
+    use crate::sample::{FRAME_POSE, building};
+    use crate::site::{PackedPlan, point, turn};
+
+    /// What is told of the walls as drawn by somebody who sees those of another plan.
+    fn seen(drawn: &PackedPlan, built: &PlanRaster) -> Walls {
+        let ([x, y], heading) = FRAME_POSE;
+        let (at, heading_deg) = (point(x, y).unwrap(), turn(heading));
+        let pose = Mode { at, heading: heading_deg, ..Mode::NONE };
+        let mut table = Box::new(Table::EMPTY);
+        sharp(&PackedPlan::new(built).unwrap().scan([x, y], heading).unwrap(), &mut table);
+        let mut walls = Walls::default();
+        walls.add(&drawn.view(), &pose, &table);
+        walls
+    }
+
+    #[test]
+    fn walls_that_are_not_built_are_looked_through() {
+        let drawn = PlanRaster::from(building());
+        let plan = PackedPlan::new(&drawn).unwrap();
+        let as_drawn = seen(&plan, &drawn);
+        let [stands, absent] = [Verdict::Stands, Verdict::Absent].map(|verdict| as_drawn.metres(verdict));
+        assert!(stands > 5.0 && absent == 0.0, "{stands} m stand, {absent} m are absent");
+        assert_eq!(as_drawn.seen_from().len(), 1);
+
+        let shell = seen(&plan, &keep_structure(&drawn, DEFAULT_THICKNESS_M).unwrap());
+        let absent: Vec<_> = shell.tiles().filter(|(_, tile)| tile.verdict() == Verdict::Absent).collect();
+        assert!(absent.len() > 5, "{} tiles", absent.len());
+        let stood = |at: &[f64; 2]| {
+            as_drawn.tiles().any(|(other, tile)| other == *at && tile.verdict() == Verdict::Stands)
+        };
+        assert!(absent.iter().all(|(at, _)| stood(at)), "what is absent was drawn");
     }
 }

@@ -82,18 +82,6 @@ mod tests {
     use super::*;
     use compass_core::boundary::RUNG;
 
-    fn nothing() -> Sighting {
-        Sighting {
-            count: 0,
-            truncated: false,
-            hit: [Hit::Wall; BINS],
-            confidence: Confidence::new(&[0; BINS]),
-            evidence: [0; BINS],
-            uprights: 0,
-            boxes: 0,
-        }
-    }
-
     #[test]
     fn an_unknown_height_makes_a_usual_room() {
         let height = Height::new(None, &Ranges::EMPTY);
@@ -108,7 +96,7 @@ mod tests {
 
     #[test]
     fn of_nothing_seen_nothing_is_known() {
-        let seen = Surroundings::new(&Ranges::EMPTY, &nothing(), None);
+        let seen = Surroundings::new(&Ranges::EMPTY, &Sighting::NOTHING, None);
         assert!(seen.ranges.iter().all(Option::is_none) && seen.hit.iter().all(Option::is_none));
         assert_eq!(seen.confidence, Confidence::new(&[0; BINS]));
     }

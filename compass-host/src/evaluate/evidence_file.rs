@@ -55,13 +55,10 @@ impl Evidence {
         let evidence =
             std::array::from_fn(|bin| (i32::from(high[bin]) * 256 + i32::from(low[bin]) - MIDDLE) as i16);
         Sighting {
-            count: 0,
-            truncated: false,
             hit: evidence.map(|odds| if odds > 0 { Hit::Window } else { Hit::Wall }),
             confidence: Confidence::new(&self.row(1)),
             evidence,
-            uprights: 0,
-            boxes: 0,
+            ..Sighting::NOTHING
         }
     }
 
@@ -108,13 +105,10 @@ mod tests {
         let survey = Survey::new(&cells, known).unwrap();
         let evidence = std::array::from_fn(|bin| bin as i16 * 5 - 1024);
         let sighting = Sighting {
-            count: 0,
-            truncated: false,
             hit: evidence.map(|odds: i16| if odds > 0 { Hit::Window } else { Hit::Wall }),
             confidence: Confidence::new(&std::array::from_fn(|bin| (bin % 17) as u8)),
             evidence,
-            uprights: 0,
-            boxes: 0,
+            ..Sighting::NOTHING
         };
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("1.png");

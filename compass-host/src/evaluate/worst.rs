@@ -6,6 +6,7 @@ use crate::frame::Frame;
 use crate::output::write_png;
 use crate::report::Picture;
 use anyhow::Result;
+use compass_core::camera::Pixel;
 use image::{Rgb, RgbImage};
 use std::path::Path;
 
@@ -46,15 +47,10 @@ fn beside(images: &[Option<Frame>; 2]) -> RgbImage {
     let height = |frame: &Frame| (WIDTH * frame.height()).div_ceil(frame.width());
     let tallest = images.iter().flatten().map(height).max().unwrap_or(1);
     RgbImage::from_fn(2 * WIDTH, tallest, |x, y| {
-        let Some(frame) = &images[(x / WIDTH) as usize] else { return Rgb([0; 3]) };
-        let at = [x % WIDTH, y].map(|pixel| pixel * frame.width() / WIDTH);
-        if at[1] >= frame.height() {
-            return Rgb([0; 3]);
-        }
-        let pixel = (at[1] * frame.width() + at[0]) as usize;
-        frame.rgb().map_or_else(
-            || Rgb([frame.gray().pixels()[pixel]; 3]),
-            |rgb| Rgb([rgb[3 * pixel], rgb[3 * pixel + 1], rgb[3 * pixel + 2]]),
-        )
+        let colour = images[(x / WIDTH) as usize].as_ref().and_then(|frame| {
+            let [x, y] = [x % WIDTH, y].map(|pixel| (pixel * frame.width() / WIDTH) as f32);
+            frame.colour(Pixel { x, y })
+        });
+        Rgb(colour.unwrap_or_default())
     })
 }

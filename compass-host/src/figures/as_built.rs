@@ -14,18 +14,13 @@ const MARGIN: f64 = 20.0;
 /// Radius of a position in pixels.
 const DOT: f64 = 4.0;
 
-/// Draws the verdicts on the walls of a plan, and the positions they were seen from, in metres.
+/// Draws the verdicts on the walls of a plan, and the positions they were seen from.
 ///
 /// # Errors
 /// [`FigureError`] when the file cannot be written, the plan is empty, or a position is not finite.
-pub fn draw_as_built(
-    path: &Path,
-    plan: &PlanPicture<'_>,
-    walls: &Walls,
-    from: &[[f64; 2]],
-) -> Result<(), FigureError> {
+pub fn draw_as_built(path: &Path, plan: &PlanPicture<'_>, walls: &Walls) -> Result<(), FigureError> {
     let layout = plan
-        .extent(from)
+        .extent(walls.seen_from())
         .and_then(|extent| MapLayout::new(extent, Page::INNER_WIDTH, MARGIN))
         .map_err(|e| FigureError::draw(path, &*e))?;
     let kinds = [
@@ -50,7 +45,7 @@ pub fn draw_as_built(
                     canvas.fill(Rect { left, top, right, bottom }, colour)?;
                 }
             }
-            for &[x, y] in from {
+            for &[x, y] in walls.seen_from() {
                 canvas.disc(axes.at(x, y), DOT, FOUND)?;
             }
             axes.draw_frame(canvas)

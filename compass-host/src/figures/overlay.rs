@@ -10,6 +10,7 @@ use super::page::{Entry, Page, Symbol};
 use super::style::{INK, PAPER, Pen, TICK_PX};
 use super::text::text_width;
 use crate::frame::Frame;
+use compass_core::camera::Pixel;
 
 /// Lines of one kind, in pixels of the frame: pixel centres are at integers.
 #[derive(Debug, Clone)]
@@ -78,17 +79,12 @@ fn within([x, y]: Px, rect: Rect) -> Px {
 
 fn draw_frame(canvas: &Canvas<'_>, rect: Rect, frame: &Frame) -> Drawn {
     let (width, height) = (frame.width(), frame.height());
-    let (gray, scale) = (frame.gray(), f64::from(width) / rect.width());
+    let scale = f64::from(width) / rect.width();
     canvas.paint(rect, |square| {
         let [x, y] = square.centre();
         let x = (((x - rect.left) * scale) as u32).min(width - 1);
         let y = (((y - rect.top) * scale) as u32).min(height - 1);
-        let at = y as usize * width as usize + x as usize;
-        let [r, g, b] = match frame.rgb() {
-            Some(rgb) => [rgb[3 * at], rgb[3 * at + 1], rgb[3 * at + 2]],
-            None => [gray.pixels()[at]; 3],
-        };
-        Some(RGBColor(r, g, b))
+        frame.colour(Pixel { x: x as f32, y: y as f32 }).map(|[r, g, b]| RGBColor(r, g, b))
     })
 }
 

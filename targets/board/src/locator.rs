@@ -136,8 +136,7 @@ impl<M, const SEGMENTS: usize> Locator<M, SEGMENTS> {
     /// Line segments of a camera's frame.
     #[must_use]
     pub fn segments(&self, camera: usize) -> &[Segment] {
-        let count = self.counts.get(camera).copied().flatten().unwrap_or(0);
-        self.segments.get(camera).and_then(|segments| segments.get(..count)).unwrap_or_default()
+        detected(&self.segments, &self.counts, camera).unwrap_or_default()
     }
 
     /// Which way is up, once that is known.
@@ -207,11 +206,8 @@ impl<M: AsMut<[u32]> + AsRef<[u32]>, const SEGMENTS: usize> Locator<M, SEGMENTS>
         let mut slots = self.arcs.as_flattened_mut().iter_mut();
         let mut count = 0;
         for (camera, view) in rig.views() {
-            let (Some(segments), Some(Some(found))) = (self.segments.get(camera), self.counts.get(camera))
-            else {
-                return Err(Error::Order);
-            };
-            let arcs = segments.iter().take(*found).filter_map(|s| Arc::new(s, view, camera as u8));
+            let segments = detected(&self.segments, &self.counts, camera).ok_or(Error::Order)?;
+            let arcs = segments.iter().filter_map(|s| Arc::new(s, view, camera as u8));
             for (arc, slot) in arcs.zip(&mut slots) {
                 *slot = arc;
                 count += 1;
@@ -241,11 +237,8 @@ impl<M: AsMut<[u32]> + AsRef<[u32]>, const SEGMENTS: usize> Locator<M, SEGMENTS>
         let mut finder = Finder::new(buffers, ring, rig, level).ok_or(Error::Memory)?;
         for (camera, view) in rig.views() {
             let frame = frame_of(frames, camera, view)?;
-            let (Some(segments), Some(Some(found))) = (self.segments.get(camera), self.counts.get(camera))
-            else {
-                return Err(Error::Order);
-            };
-            finder.add(camera, &frame.gray, frame.red, segments.get(..*found).unwrap_or_default());
+            let segments = detected(&self.segments, &self.counts, camera).ok_or(Error::Order)?;
+            finder.add(camera, &frame.gray, frame.red, segments);
         }
         self.sighting = finder.finish(&mut self.windows);
         self.done = Done::Windows;
@@ -319,6 +312,16 @@ impl<M: AsMut<[u32]> + AsRef<[u32]>, const SEGMENTS: usize> Locator<M, SEGMENTS>
     fn frame(&self) -> Result<Level, Error> {
         self.vertical.and_then(|vertical| Level::new(&vertical.up)).ok_or(Error::Up)
     }
+}
+
+/// The segments of a camera's frame; `None` before they were sought.
+fn detected<'a, const SEGMENTS: usize>(
+    segments: &'a [[Segment; SEGMENTS]; 2],
+    counts: &[Option<usize>; 2],
+    camera: usize,
+) -> Option<&'a [Segment]> {
+    let count = counts.get(camera).copied().flatten()?;
+    segments.get(camera)?.get(..count)
 }
 
 /// The frame of a camera.

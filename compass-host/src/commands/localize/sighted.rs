@@ -97,12 +97,7 @@ pub(super) fn run(
     }
     let errors = truth.map(|(at, heading)| best.error(at, heading));
     locator.weigh(&survey, [fix.height, fix.ceiling], &sighting);
-    let mut walls = Walls::default();
-    let sheet = locator.sheets().get(usize::from(mode.sheet));
-    let storey = sheet.and_then(|sheet| storeys.get(usize::from(sheet.floor)));
-    if let Some(plan) = storey.and_then(|storey| storey.floor?.plan(0)) {
-        walls.add(&plan, mode, locator.table());
-    }
+    let walls = walls(mode, &locator, &storeys);
     let layer = locator.sheets().get(usize::from(mode.sheet)).map_or(0, |sheet| usize::from(sheet.layer));
     let output = Output {
         floor: best.floor,
@@ -125,9 +120,23 @@ pub(super) fn run(
     Ok(Outcome::Done)
 }
 
+/// The walls of the plan as drawn, by the evidence that the locator holds.
+fn walls(mode: &Mode, locator: &Locator<'_>, storeys: &[Storey<'_>]) -> Walls {
+    let mut walls = Walls::default();
+    if let Some(plan) = storey(mode, locator.sheets(), storeys).and_then(|storey| storey.floor?.plan(0)) {
+        walls.add(&plan, mode, locator.table());
+    }
+    walls
+}
+
 fn pose<'a>(mode: &Mode, sheets: &[Sheet<'_>], storeys: &[Storey<'a>]) -> Pose<'a> {
-    let storey = sheets.get(usize::from(mode.sheet)).and_then(|sheet| storeys.get(usize::from(sheet.floor)));
-    pose_of(mode, storey.and_then(Storey::name).filter(|_| storeys.len() > 1))
+    let name = storey(mode, sheets, storeys).and_then(Storey::name);
+    pose_of(mode, name.filter(|_| storeys.len() > 1))
+}
+
+/// The floor that a mode is on.
+fn storey<'s, 'a>(mode: &Mode, sheets: &[Sheet<'_>], storeys: &'s [Storey<'a>]) -> Option<&'s Storey<'a>> {
+    storeys.get(usize::from(sheets.get(usize::from(mode.sheet))?.floor))
 }
 
 /// A mode as it is reported, with the floor where there are several.
