@@ -8,12 +8,12 @@ const LINE: &str = "evaluate --map sample.site --calib set/calibration.yaml --da
     --groundtruth set/groundtruth.txt --mount upright --jobs 2";
 
 /// A folder with four frames of the sample building, half a second and 0.4 m apart, in `set`, and their poses in
-/// `poses.tum`.
+/// `poses.tum`. They are of a place where the track is sure, so that there are walls to tell of.
 fn recording() -> Folder {
     let folder = Folder::new();
     let pose = |n: u32| {
-        let x = 13.37 + 0.4 * f64::from(n);
-        Pose::looking(1_000_000_000 + 500_000_000 * u64::from(n), [x, 3.68, 1.5], 20.0, 0.0, 0.0)
+        let x = 20.0 + 0.4 * f64::from(n);
+        Pose::looking(1_000_000_000 + 500_000_000 * u64::from(n), [x, 12.0, 1.5], 20.0, 0.0, 0.0)
     };
     folder.write("poses.tum", tum::text(&[pose(0), pose(1), pose(2), pose(3)]).as_bytes());
     let _ = folder
@@ -34,8 +34,16 @@ fn a_recording_is_evaluated_and_resumed() {
         ["frames", "scored", "resumed", "unseen"].map(|key| number(&first[key])),
         [4.0, 4.0, 0.0, 0.0]
     );
-    for name in ["single", "track", "track, sure", "oracle", "paper, plain", "paper, centred", "paper, range"]
-    {
+    for name in [
+        "single",
+        "track",
+        "track, sure",
+        "oracle",
+        "paper, plain",
+        "paper, centred",
+        "paper, hit type",
+        "paper, range",
+    ] {
         for key in
             ["recall_at_0_1_m", "recall_at_0_5_m", "recall_at_1_m", "recall_at_1_m_30_deg", "challenge_score"]
         {
@@ -50,7 +58,9 @@ fn a_recording_is_evaluated_and_resumed() {
     let frames = first["results"].as_array().unwrap();
     assert_eq!(frames.len(), 4);
     for frame in frames {
-        for way in ["single", "track", "oracle", "paper_plain", "paper_centred", "paper_range"] {
+        for way in
+            ["single", "track", "oracle", "paper_plain", "paper_centred", "paper_hit_type", "paper_range"]
+        {
             for key in ["x", "y", "heading_deg", "position_error_m", "heading_error_deg", "challenge_score"] {
                 let _ = number(&frame[way][key]);
             }

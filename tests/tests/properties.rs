@@ -128,6 +128,30 @@ fn the_exact_search_holds_for_scans_from_nowhere() {
     }
 }
 
+/// Half of the circle is seen, some of it badly.
+#[test]
+fn the_masked_search_finds_what_scoring_everything_finds() {
+    let (raster, plan) = sample_plan();
+    let mut localizer = Localizer::new(SiteMap::new(sample_map()).unwrap());
+    let seen =
+        Confidence::new(&core::array::from_fn(|bin| if bin < 180 { 16 - (bin / 20) as u8 } else { 0 }));
+    for (seed, (x, y, heading)) in (0..).zip(interior_poses(raster, 2, 78).unwrap()) {
+        let mut scan = plan.scan([x, y], heading).unwrap();
+        disturb(&mut scan, 1.0, seed);
+        for (similarity, weights) in [
+            (Similarity::Plain, Weights::EQUAL),
+            (Similarity::Centred, Weights::EQUAL),
+            (Similarity::Centred, Weights::HIT_TYPE),
+        ] {
+            let options = MatchOptions { similarity, weights, prefilter: None };
+            let answer = localizer.locate_masked(&scan, &seen, &options).unwrap();
+            let expected = brute_force(localizer.map(), &query(&scan, &seen, weights, similarity));
+            assert_eq!(answer.best(), Some(&expected), "{x},{y} {heading}, {similarity:?}, {weights:?}");
+            assert!(answer.exhaustive);
+        }
+    }
+}
+
 /// A round room without windows scores the same at every heading: still, some candidate fits best.
 #[test]
 fn the_exact_search_survives_a_query_without_features() {

@@ -86,12 +86,14 @@ struct LowQuery {
 /// won. Alternatives are the best peaks of the 64 candidates of the highest bounds.
 ///
 /// `bounds` needs a place per candidate, `pool` some 400 places for the matches to choose from. With
-/// `signature`, candidates farther from it than the distance beside it are left out. For a masked query
-/// bounds are estimates: the answer is then not [exhaustive](Answer::exhaustive). `None` when `bounds` is
+/// `signature`, candidates farther from it than the distance beside it are left out. `None` when `bounds` is
 /// too short or the index is another map's.
 ///
+/// For a masked query nothing is bounded, because a candidate's norm depends on the heading: every candidate is
+/// scored at every heading.
+///
 /// # Cost
-/// A bound per candidate, and a few scored at all headings: all of them at worst.
+/// A bound per candidate, and a few scored at all headings: all of them at worst, and for a masked query.
 pub fn exhaustive(
     index: &Index<'_>,
     map: &SiteMap<'_>,
@@ -106,8 +108,12 @@ pub fn exhaustive(
         return None;
     }
     work.low.set(query);
-    for (group, bounds) in index.as_groups().iter().zip(bounds.chunks_mut(super::GROUP)) {
-        work.bound(group, bounds);
+    if query.is_masked() {
+        bounds.fill(0);
+    } else {
+        for (group, bounds) in index.as_groups().iter().zip(bounds.chunks_mut(super::GROUP)) {
+            work.bound(group, bounds);
+        }
     }
     if let Some((signature, limit)) = signature {
         for (bound, record) in bounds.iter_mut().zip(map.iter()) {
@@ -116,7 +122,7 @@ pub fn exhaustive(
             }
         }
     }
-    let whole = signature.is_none() && !query.is_masked();
+    let whole = signature.is_none();
     let mut search =
         Search { index, map, query, work, pool: Pool::new(pool), scored: 0, whole, best: i32::MIN };
     Some(search.run(bounds))
@@ -137,19 +143,23 @@ struct Search<'s, 'm> {
 
 impl Search<'_, '_> {
     fn run(&mut self, bounds: &[i32]) -> Answer {
-        let mut seeds = [(0, 0); SEEDS];
         let candidates = (0..).zip(bounds.iter()).filter(|(_, b)| **b > i32::MIN);
+        if self.query.is_masked() {
+            for (candidate, _) in candidates {
+                self.score(candidate, None);
+            }
+            return self.pool.select(self.map, self.scored, self.whole);
+        }
+        let mut seeds = [(0, 0); SEEDS];
         let used = top_candidates(&mut seeds, candidates.map(|(c, b)| (*b, c)));
         let seeds = seeds.get(..used).unwrap_or_default();
         let (first, others) = seeds.split_at_checked(PROBES).unwrap_or((seeds, &[]));
         for &(_, candidate) in first {
             self.score(candidate, None);
         }
-        if !self.query.is_masked() {
-            for (candidate, bound) in (0..).zip(bounds.iter()) {
-                if *bound >= self.best {
-                    self.score(candidate, Some(self.best));
-                }
+        for (candidate, bound) in (0..).zip(bounds.iter()) {
+            if *bound >= self.best {
+                self.score(candidate, Some(self.best));
             }
         }
         for &(_, candidate) in others {
@@ -159,17 +169,17 @@ impl Search<'_, '_> {
     }
 
     /// Offers the local peaks of a candidate: those near the top of its low part, or all that reach
-    /// `floor`.
+    /// `floor`; of a masked query all.
     fn score(&mut self, candidate: u32, floor: Option<i32>) {
         let (number, place) = (candidate as usize / super::GROUP, candidate as usize % super::GROUP);
         let Some(group) = self.index.as_groups().get(number) else { return };
         let Some(record) = self.map.get(candidate as usize) else { return };
-        let curve = self.work.low.curve(group, place);
         let near = match floor {
-            None => highest(&curve),
+            _ if self.query.is_masked() => [true; POINTS],
+            None => highest(&self.work.low.curve(group, place)),
             Some(floor) => {
                 let reach = self.work.low.reach(group, place, floor);
-                curve.map(|low| low >= reach)
+                self.work.low.curve(group, place).map(|low| low >= reach)
             }
         };
         if !near.contains(&true) {
@@ -373,6 +383,10 @@ impl LowQuery {
         let exponent = self.exponent(group, place);
         let low = if exponent >= 0 { low << exponent } else { (low >> -exponent) + 1 };
         let Sizes { norms, offset } = self.sizes(group, place);
+        if norms == 0 {
+            // A candidate without contrast in what counts scores 0.
+            return 0;
+        }
         let numerator = (low + self.rest(group, place)) * self.factor() + offset;
         // Numerators stay below 2^50. A denominator of 31 bits, rounded down, makes the bound larger.
         let down = (u64::BITS - norms.leading_zeros()).saturating_sub(31);
@@ -415,7 +429,7 @@ impl LowQuery {
             offset += self.offset[channel] * sum;
         }
         let offset = if offset == 0 { 0 } else { offset / BINS as i64 + 1 };
-        Sizes { norms: self.norm * norm.unsigned_abs().isqrt().max(1), offset }
+        Sizes { norms: self.norm * norm.unsigned_abs().isqrt(), offset }
     }
 
     /// The low part of one candidate at each of the 64 headings, in units of the products and with its

@@ -179,16 +179,11 @@ impl Query {
     #[must_use]
     pub fn parts(&self, candidate: &Candidate, shift: usize) -> (i64, u64) {
         let start = (BINS - shift % BINS) % BINS;
-        let profile = &candidate.profile.values;
-        let mut numerator = [0; CHANNELS];
-        for ((sum, values), other) in numerator.iter_mut().zip(&self.values).zip(profile) {
-            let values = values.get(start..start + BINS).unwrap_or_default();
-            *sum = if self.is_masked() {
-                dot::<MASKED_BLOCK>(values, other)
-            } else {
-                dot::<BINS>(values, other)
-            };
-        }
+        let numerator = self.of_channels(|c| {
+            let values = self.values.get(c).and_then(|v| v.get(start..start + BINS)).unwrap_or_default();
+            let other = channel(candidate, c);
+            if self.is_masked() { masked_dot(values, other) } else { dot::<BINS>(values, other) }
+        });
         let (sums, squares) = self.moments(candidate, start);
         let numerator =
             self.weigh(|c| self.spread(pick(&numerator, c), pick(&self.sums, c) * pick(&sums, c)));
@@ -206,13 +201,16 @@ impl Query {
             return (candidate.sums.map(i64::from), candidate.squares.map(i64::from));
         };
         let mask = mask.get(start..start + BINS).unwrap_or_default();
-        let (mut sums, mut squares) = ([0; CHANNELS], [0; CHANNELS]);
-        for ((sum, square), values) in sums.iter_mut().zip(&mut squares).zip(&candidate.profile.values) {
-            for (&m, &v) in mask.iter().zip(values) {
-                *sum += i64::from(m) * i64::from(v);
-                *square += i64::from(m) * i64::from(i32::from(v) * i32::from(v));
+        let sums = self.of_channels(|c| dot::<BINS>(mask, channel(candidate, c)));
+        let squares = self.of_channels(|c| {
+            let values = channel(candidate, c);
+            // At most 16 * 1536 < 2^15.
+            let mut products = [0; BINS];
+            for ((product, m), v) in products.iter_mut().zip(mask).zip(values) {
+                *product = m * v;
             }
-        }
+            masked_dot(&products, values)
+        });
         (sums, squares)
     }
 
@@ -325,6 +323,11 @@ impl Query {
         }
     }
 
+    /// A value for each channel that counts, 0 for the others.
+    fn of_channels(&self, value: impl Fn(usize) -> i64) -> [i64; CHANNELS] {
+        core::array::from_fn(|c| if pick(&self.weights.0, c) == 0 { 0 } else { value(c) })
+    }
+
     /// The weighted sum over channels; below 2^57.
     fn weigh(&self, value: impl Fn(usize) -> i64) -> i64 {
         self.weights.0.iter().enumerate().map(|(c, &w)| i64::from(w) * value(c)).sum()
@@ -342,5 +345,18 @@ fn pick<T: Copy + Default>(values: &[T], index: usize) -> T {
     values.get(index).copied().unwrap_or_default()
 }
 
-/// Products of a masked query that surely fit 32 bits: 40 x 24576 x 1536 < 2^31.
-const MASKED_BLOCK: usize = 40;
+fn channel(candidate: &Candidate, channel: usize) -> &[i16; BINS] {
+    candidate.profile.values.get(channel).unwrap_or(&[0; BINS])
+}
+
+/// The sum of products of up to 24576 and 1536: each of eight sums stays below 45 x 24576 x 1536 < 2^31.
+fn masked_dot(a: &[i16], b: &[i16; BINS]) -> i64 {
+    const SUMS: usize = 8;
+    let mut sums = [0_i32; SUMS];
+    for (a, b) in a.as_chunks::<SUMS>().0.iter().zip(b.as_chunks::<SUMS>().0) {
+        for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
+            *sum += i32::from(*a) * i32::from(*b);
+        }
+    }
+    sums.into_iter().map(i64::from).sum()
+}

@@ -25,7 +25,7 @@ mod output;
 use output::{Frame, Output, Placed, Tracked};
 
 /// The ways of localizing, in the order of the report.
-const ROWS: [&str; 6] = ["single", "track", "oracle", PAPER[0].0, PAPER[1].0, PAPER[2].0];
+const ROWS: [&str; 7] = ["single", "track", "oracle", PAPER[0].0, PAPER[1].0, PAPER[2].0, PAPER[3].0];
 #[derive(Debug, clap::Args)]
 pub(super) struct Evaluate {
     /// The site file
@@ -264,9 +264,10 @@ impl<'a> Finished<'a> {
             best(&record.single),
             track.as_ref(),
             best(&record.oracle),
-            best(&record.paper[0]),
-            best(&record.paper[1]),
-            best(&record.paper[2]),
+            record.paper[0].as_ref(),
+            record.paper[1].as_ref(),
+            record.paper[2].as_ref(),
+            record.paper[3].as_ref(),
         ];
         let misses = all.map(|found| truth.map_or(Misses::ALL, |truth| judge.misses(found, &truth)));
         Self { record, estimate, track, truth, misses, judge }
@@ -309,9 +310,10 @@ impl<'a> Finished<'a> {
                 spread_m: Decimal(f64::from(estimate.spread_m)),
             }),
             oracle: placed(self.record.oracle.first(), 2),
-            paper_plain: placed(self.record.paper[0].first(), 3),
-            paper_centred: placed(self.record.paper[1].first(), 4),
-            paper_range: placed(self.record.paper[2].first(), 5),
+            paper_plain: placed(self.record.paper[0].as_ref(), 3),
+            paper_centred: placed(self.record.paper[1].as_ref(), 4),
+            paper_hit_type: placed(self.record.paper[2].as_ref(), 5),
+            paper_range: placed(self.record.paper[3].as_ref(), 6),
         }
     }
 }

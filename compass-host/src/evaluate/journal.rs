@@ -139,7 +139,7 @@ mod tests {
             ceiling: 0,
             single: vec![super::super::Found { sheet: 1, x: -5 << 32, y: 7, heading: u32::MAX, score: -3 }],
             oracle: Vec::new(),
-            paper: std::array::from_fn(|_| Vec::new()),
+            paper: [None; crate::evaluate::PAPER.len()],
             milliseconds: BTreeMap::from([("locate".to_owned(), 12.25)]),
         }
     }

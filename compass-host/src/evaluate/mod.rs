@@ -10,6 +10,7 @@
 mod evidence_file;
 mod journal;
 mod oracle;
+mod paper;
 mod record;
 pub mod report;
 mod row;
@@ -20,6 +21,7 @@ pub mod worst;
 pub use evidence_file::Evidence;
 pub use journal::{Fingerprint, Journal};
 pub use oracle::sharp;
+pub use paper::Paper;
 pub use record::{Found, PAPER, Record};
 pub use row::{Judge, Misses, Row};
 pub use worker::Worker;

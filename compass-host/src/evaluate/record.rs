@@ -8,9 +8,10 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// Ways of matching with the paper's cosine: by name, similarity and channel weights.
-pub const PAPER: [(&str, Similarity, Weights); 3] = [
+pub const PAPER: [(&str, Similarity, Weights); 4] = [
     ("paper, plain", Similarity::Plain, Weights::EQUAL),
     ("paper, centred", Similarity::Centred, Weights::EQUAL),
+    ("paper, hit type", Similarity::Centred, Weights::HIT_TYPE),
     ("paper, range", Similarity::Centred, Weights::RANGE),
 ];
 
@@ -55,8 +56,8 @@ pub struct Record {
     pub single: Vec<Found>,
     /// The same search with what the plan says at the true pose.
     pub oracle: Vec<Found>,
-    /// The paper's cosine, in each of the [`PAPER`] ways.
-    pub paper: [Vec<Found>; PAPER.len()],
+    /// The best by the paper's cosine, in each of the [`PAPER`] ways.
+    pub paper: [Option<Found>; PAPER.len()],
     /// By stage.
     pub milliseconds: BTreeMap<String, f64>,
 }

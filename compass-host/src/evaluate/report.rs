@@ -73,8 +73,7 @@ pub fn write(dir: &Path, story: &Story<'_>) -> Result<()> {
     let pairs = story.frames.iter().zip(story.right);
     let answers: Vec<_> = pairs.filter_map(|(frame, right)| Some((frame.margin, (*right)?))).collect();
     figures::draw_reliability(&dir.join("reliability.png"), &answers)?;
-    let track: Vec<_> = story.frames.iter().filter_map(|frame| frame.track).collect();
-    with_plan(&story.plan, |plan| figures::draw_as_built(&dir.join("walls.png"), plan, story.walls, &track))?;
+    with_plan(&story.plan, |plan| figures::draw_as_built(&dir.join("walls.png"), plan, story.walls))?;
     Ok(write_html(&dir.join("report.html"), story.title, &sections(story))?)
 }
 
@@ -136,7 +135,7 @@ fn sections(story: &Story<'_>) -> Vec<Section> {
                 "Single: each frame by itself. Track: the sequence, each frame with those before it. Oracle: the same \
                  search as for single frames, with evidence that the plan gives at the true pose; what it misses \
                  the matcher misses. Paper: the cosine of descriptors of what was seen, of all five channels plain and \
-                 centred, and centred of the range alone."
+                 centred, and centred of the hit type and of the range alone."
                     .into(),
             ],
             tables: vec![recall(story.rows), headings(story)],
@@ -161,7 +160,9 @@ fn sections(story: &Story<'_>) -> Vec<Section> {
             pictures: vec![picture("walls.png", "Walls of the plan, as they were seen")],
             ..Section::default()
         },
-        Section { title: "Worst frames".into(), tables: vec![worst_frames(story)],
+        Section {
+            title: "Worst frames".into(),
+            tables: vec![worst_frames(story)],
             pictures: story.worst.to_vec(),
             ..Section::default()
         },

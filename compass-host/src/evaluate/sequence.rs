@@ -1,6 +1,6 @@
 //! The track of a recording, and trajectories to write.
 
-use super::{Evidence, Found, Job, Record};
+use super::{Evidence, Found, Job, Judge, Record};
 use crate::as_built::Walls;
 use crate::dataset::trajectory::Trajectory;
 use crate::dataset::tum::Pose;
@@ -8,12 +8,10 @@ use crate::locator::Locator;
 use crate::site::progress;
 use anyhow::Result;
 use compass_core::likelihood::{Mode, Table};
+use compass_core::locate::SURE_NATS;
 use compass_core::track::{Estimate, Frame, Track, Usual};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use std::time::Instant;
-
-/// From this lead on, nats, a frame's answer is nearly always right.
-const SURE_NATS: f64 = 150.0;
 
 /// What a sequence came to.
 #[derive(Debug)]
@@ -69,9 +67,8 @@ pub fn follow(
         let frame = Frame { table: locator.table(), modes: &modes, seconds: seconds_since, motion };
         let estimate = track.step(locator.sheets(), &frame);
         seconds += started.elapsed().as_secs_f64();
-        let on_floor = |mode: &Mode| {
-            locator.sheets().get(usize::from(mode.sheet)).is_some_and(|s| usize::from(s.floor) == job.floor)
-        };
+        let judge = Judge { sheets: locator.sheets(), floor: job.floor };
+        let on_floor = |mode: &Mode| judge.is_on_floor(&Found::from(mode));
         if let Some((plan, sure)) = plan.zip(estimate.filter(|e| e.probability >= SURE && on_floor(&e.mode)))
         {
             walls.add(&plan, &sure.mode, locator.table());
@@ -86,7 +83,7 @@ pub fn follow(
 
 /// The poses that explain a frame with the usual heights; the locator's table has its evidence.
 fn explain(record: &Record, evidence: &Evidence, usual: &mut Usual, locator: &mut Locator<'_>) -> Vec<Mode> {
-    let is_sure = record.margin() >= SURE_NATS;
+    let is_sure = record.margin() >= f64::from(SURE_NATS);
     if is_sure {
         usual.learn(record.height, record.ceiling);
     }
@@ -143,7 +140,7 @@ mod tests {
             ceiling: 0,
             single: Vec::new(),
             oracle: Vec::new(),
-            paper: std::array::from_fn(|_| Vec::new()),
+            paper: [None; crate::evaluate::PAPER.len()],
             milliseconds: std::collections::BTreeMap::new(),
         };
         let back = pose(&record, &Found::from(&mode));

@@ -1,15 +1,14 @@
 //! One thread's eyes and searches.
 
-use super::{Evidence, Found, Job, PAPER, Record, oracle};
+use super::{Evidence, Found, Job, PAPER, Paper, Record, oracle};
 use crate::clock::Clock;
 use crate::dataset::recording::{Shot, Source};
 use crate::eyes::{Eyes, EyesError};
 use crate::frame::Frame;
-use crate::localizer::{Localizer, MatchOptions};
 use crate::locator::{Locator, NoPlan};
 use crate::site;
 use crate::up::{UpFrom, UpSources};
-use anyhow::{Context as _, Result};
+use anyhow::Result;
 use compass_core::boundary::{NOMINAL_HEIGHT_M, Ranges, height_rungs};
 use compass_core::likelihood::Mode;
 use compass_core::locate::Room;
@@ -32,8 +31,7 @@ pub struct Worker<'a> {
     eyes: Vec<(Sizes, Eyes)>,
     locator: Locator<'a>,
     ranges: Box<Ranges>,
-    /// The paper's, floor by floor.
-    papers: Vec<Localizer<'a>>,
+    paper: Paper,
 }
 
 impl std::fmt::Debug for Worker<'_> {
@@ -49,8 +47,7 @@ impl<'a> Worker<'a> {
     /// [`NoPlan`] if a floor has no plan to refine poses on.
     pub fn new(job: &'a Job<'a>) -> Result<Self, NoPlan> {
         let locator = Locator::new(job.storeys)?;
-        let papers = job.storeys.iter().map(|storey| Localizer::new(storey.map)).collect();
-        Ok(Self { job, eyes: Vec::new(), locator, ranges: Box::new(Ranges::EMPTY), papers })
+        Ok(Self { job, eyes: Vec::new(), locator, ranges: Box::new(Ranges::EMPTY), paper: Paper::default() })
     }
 
     /// Localizes a frame in every way and keeps its evidence.
@@ -74,7 +71,7 @@ impl<'a> Worker<'a> {
             height_m: self.job.height_m.unwrap_or(NOMINAL_HEIGHT_M),
             single: Vec::new(),
             oracle: Vec::new(),
-            paper: std::array::from_fn(|_| Vec::new()),
+            paper: [None; PAPER.len()],
             milliseconds: BTreeMap::new(),
         };
         let up =
@@ -141,30 +138,25 @@ impl<'a> Worker<'a> {
         clock.stage("write");
         survey.ranges(fix.ceiling, &mut self.ranges);
         let (scan, confidence) = sight::scan(&self.ranges, fix.height, &sighting);
-        for (found, (_, similarity, weights)) in record.paper.iter_mut().zip(PAPER) {
-            let options = MatchOptions { similarity, weights, ..MatchOptions::default() };
-            *found = self.paper(&scan, &confidence, &options)?;
-        }
+        record.paper = self.paper(&scan, &confidence);
         clock.stage("paper");
         Ok(())
     }
 
-    /// The best candidates by the cosine of descriptors, on the layer that has everything.
-    fn paper(&mut self, scan: &Scan, confidence: &Confidence, options: &MatchOptions) -> Result<Vec<Found>> {
-        let mut all = Vec::new();
-        for (floor, paper) in (0..).zip(&mut self.papers) {
-            let sheets = self.locator.sheets();
-            let sheet = sheets.iter().position(|sheet| sheet.floor == floor && sheet.layer == 0);
-            for found in paper.locate_masked(scan, confidence, options)?.matches() {
-                let (at, sheet) =
-                    paper.map().position(found.candidate as usize).zip(sheet).context("no candidate")?;
+    /// The best candidate by the cosine of descriptors in each way, on the layers that have everything.
+    fn paper(&mut self, scan: &Scan, confidence: &Confidence) -> [Option<Found>; PAPER.len()] {
+        let mut best: [Option<Found>; PAPER.len()] = [None; PAPER.len()];
+        for (number, sheet) in (0..).zip(self.locator.sheets()).filter(|(_, sheet)| sheet.layer == 0) {
+            for (best, found) in best.iter_mut().zip(self.paper.best(&sheet.map, scan, confidence)) {
+                let Some(found) = found else { continue };
+                let Some(at) = sheet.map.position(found.candidate as usize) else { continue };
                 let score = found.peak.score_bits;
-                all.push(Found::from(&Mode { sheet: sheet as u8, at, heading: found.heading(), score }));
+                if best.is_none_or(|best| score > best.score) {
+                    *best = Some(Found::from(&Mode { sheet: number, at, heading: found.heading(), score }));
+                }
             }
         }
-        all.retain(|found| found.score > 0);
-        all.sort_by_key(|found| std::cmp::Reverse(found.score));
-        Ok(all)
+        best
     }
 
     /// The search with what the plan says at the true pose, where there is one and it is free.

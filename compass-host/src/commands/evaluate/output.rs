@@ -45,6 +45,7 @@ pub(super) struct Frame<'a> {
     pub(super) oracle: Option<Placed<'a>>,
     pub(super) paper_plain: Option<Placed<'a>>,
     pub(super) paper_centred: Option<Placed<'a>>,
+    pub(super) paper_hit_type: Option<Placed<'a>>,
     pub(super) paper_range: Option<Placed<'a>>,
 }
 
