@@ -1,7 +1,9 @@
 //! From what is seen to a pose: search over heights of ceiling and camera, candidates and headings, refinement, answer.
 
-use crate::boundary::{Ranges, Survey, height_m};
-use crate::likelihood::{Answer, Mode, Rows, Sheet, Table, answer, approach, polish, refine, search, settle};
+use crate::boundary::{MAX_CEILINGS, Ranges, Survey, height_m};
+use crate::likelihood::{
+    Answer, Mode, Rays, Rows, Sheet, Table, answer, approach, polish, refine, search, settle,
+};
 use crate::num::{Metres, Turn};
 use crate::order;
 use crate::sight;
@@ -11,8 +13,6 @@ use heapless::Vec;
 
 /// Most modes that are refined.
 pub const MAX_MODES: usize = 48;
-/// Of those approached, so many are settled: the others are alternatives to a decimetre or two.
-const SETTLED: usize = 8;
 /// A pose found with two heights of the camera is refined with the better one: they are this near...
 const SAME: Metres = Metres::from_bits(3 << 30);
 /// ... and turned by no more than this.
@@ -48,10 +48,29 @@ pub struct Work<'a, const N: usize> {
     pub rows: &'a mut Rows<N>,
     /// 64 to 512 places.
     pub pool: &'a mut [Mode],
-    /// How many modes to refine, at most [`MAX_MODES`].
+    /// How much work may be done.
+    pub effort: Effort,
+}
+
+/// How much work the search may do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Effort {
+    /// How many modes to refine, 1 to [`MAX_MODES`].
     pub modes: usize,
-    /// How many heights of the ceiling to try, at most [`MAX_CEILINGS`](crate::boundary::MAX_CEILINGS).
+    /// How many of them to the end: the others are alternatives to a decimetre or two.
+    pub settled: usize,
+    /// How many heights of the ceiling to try until an answer is sure, 1 to [`MAX_CEILINGS`].
     pub ceilings: usize,
+    /// How many rays are cast while a mode is refined.
+    pub rays: Rays,
+}
+
+impl Effort {
+    /// What pays on a computer.
+    pub const FULL: Self = Self { modes: 24, settled: 8, ceilings: MAX_CEILINGS, rays: Rays::Many };
+    /// What a microcontroller can do: a seventh of the work, and nearly as good where the camera's height is told.
+    pub const LITTLE: Self = Self { modes: 8, settled: 4, ceilings: 1, rays: Rays::Few };
 }
 
 /// Where the cameras are.
@@ -101,7 +120,7 @@ type Found = (Mode, i8);
 /// places rather than well in one. Of the likeliest ones that counts whose best pose leads by the most.
 ///
 /// # Cost
-/// For each ceiling tried one [`search`] per height, and as many [refinements](refine()) as [`Work::modes`]. Where the
+/// For each ceiling tried one [`search`] per height, and as many [refinements](refine()) as [`Effort::modes`]. Where the
 /// height is not known, a room of usual height allows about 7, the best pose is refined with the two next to its own
 /// as well, and an answer that is not sure takes 14 more searches.
 #[inline]
@@ -112,14 +131,10 @@ pub fn locate<const N: usize>(
     sheets: &[Sheet<'_>],
     work: &mut Work<'_, N>,
 ) -> Fix {
-    let mut ceilings = survey.ceilings(room.height);
-    if let Some(known) = room.ceiling {
-        ceilings.clear();
-        let _ = ceilings.push(known);
-    }
+    let ceilings = room.ceiling.map_or_else(|| survey.ceilings(room.height), |known| Vec::from([known]));
     let [coarse, fine] = HEIGHT_STEPS;
     let mut best = Fix { answer: Answer::nothing(), height: room.height.unwrap_or(0), ceiling: 0 };
-    for (tried, &ceiling) in ceilings.iter().take(work.ceilings.max(1)).enumerate() {
+    for (tried, &ceiling) in ceilings.iter().take(work.effort.ceilings.max(1)).enumerate() {
         survey.ranges(ceiling, work.ranges);
         let (answer, height) = look(room.height, coarse, sighting, sheets, work);
         if tried == 0 || answer.margin() > best.answer.margin() {
@@ -149,10 +164,10 @@ fn look<const N: usize>(
     sheets: &[Sheet<'_>],
     work: &mut Work<'_, N>,
 ) -> (Answer, i8) {
-    let Work { ranges, table, rows, pool, modes, .. } = work;
+    let Work { ranges, table, rows, pool, effort } = work;
     let heights = height.map_or_else(|| ranges.heights(), |known| known..=known);
-    let mut evidence = Evidence { ranges, sighting, table, height: None };
-    let wanted = (*modes).clamp(1, MAX_MODES);
+    let mut evidence = Evidence { ranges, sighting, table, height: None, rays: effort.rays };
+    let wanted = effort.modes.clamp(1, MAX_MODES);
     let mut found: Vec<Found, MAX_MODES> = Vec::new();
     for height in heights.clone().step_by(step.max(1)) {
         rows.set(evidence.at(height));
@@ -161,7 +176,7 @@ fn look<const N: usize>(
     }
     evidence.refine(&heights, sheets, &mut found, approach);
     order::sort_by_key(&mut found, |(mode, height)| (mode.order(), *height));
-    let settled = found.len().min(SETTLED);
+    let settled = found.len().min(effort.settled.max(1));
     evidence.refine(&heights, sheets, found.get_mut(..settled).unwrap_or_default(), settle);
     // Never full: it has one place more.
     let mut modes: Vec<Mode, { MAX_MODES + 1 }> = Vec::new();
@@ -183,6 +198,7 @@ struct Evidence<'a> {
     table: &'a mut Table,
     /// The height that the table is for.
     height: Option<i8>,
+    rays: Rays,
 }
 
 impl Evidence<'_> {
@@ -201,12 +217,13 @@ impl Evidence<'_> {
         heights: &RangeInclusive<i8>,
         sheets: &[Sheet<'_>],
         found: &mut [Found],
-        refine: impl Fn(&Table, &Sheet<'_>, Mode) -> Mode,
+        refine: impl Fn(&Table, &Sheet<'_>, Mode, Rays) -> Mode,
     ) {
+        let rays = self.rays;
         for at in heights.clone() {
             for (mode, _) in found.iter_mut().filter(|(_, height)| *height == at) {
                 if let Some(sheet) = sheets.get(usize::from(mode.sheet)) {
-                    *mode = refine(self.at(at), sheet, *mode);
+                    *mode = refine(self.at(at), sheet, *mode, rays);
                 }
             }
         }
@@ -215,10 +232,11 @@ impl Evidence<'_> {
     /// The best mode polished, and tried with the heights next to its own, where they may be.
     fn polish(&mut self, heights: &RangeInclusive<i8>, sheets: &[Sheet<'_>], (best, height): Found) -> Found {
         let Some(sheet) = sheets.get(usize::from(best.sheet)) else { return (best, height) };
-        let best = (polish(self.at(height), sheet, best), height);
+        let rays = self.rays;
+        let best = (polish(self.at(height), sheet, best, rays), height);
         let beside = [best.1.saturating_sub(1), best.1.saturating_add(1)];
         let tried = beside.into_iter().filter(|height| heights.contains(height));
-        let tried = tried.map(|height| (refine(self.at(height), sheet, best.0), height));
+        let tried = tried.map(|height| (refine(self.at(height), sheet, best.0, rays), height));
         tried.fold(best, |best, other| if other.0.score > best.0.score { other } else { best })
     }
 }

@@ -1,9 +1,9 @@
 //! From frames to a pose on a site: the core's search with its buffers.
 
 use crate::site_file::Storey;
-use compass_core::boundary::{MAX_CEILINGS, Ranges, Survey};
-use compass_core::likelihood::{Answer, Mode, Rows, Sheet, Table, answer, refine, search};
-use compass_core::locate::{Fix, Room, Work, locate};
+use compass_core::boundary::{Ranges, Survey};
+use compass_core::likelihood::{Answer, Mode, Rays, Rows, Sheet, Table, answer, refine, search};
+use compass_core::locate::{Effort, Fix, Room, Work, locate};
 use compass_core::sight;
 use compass_core::windows::level::Sighting;
 use thiserror::Error;
@@ -12,8 +12,6 @@ use thiserror::Error;
 const POOL: usize = 512;
 /// Headings that the search tries: 180 and 360 found no more on recorded and simulated frames.
 const HEADINGS: usize = 90;
-/// Modes that are refined.
-const MODES: usize = 24;
 
 /// A floor of a site has no plan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
@@ -62,7 +60,7 @@ impl<'a> Locator<'a> {
     /// Finds the pose that explains best what was seen, with what is known of the room.
     pub fn locate(&mut self, survey: &Survey<'_>, room: Room, sighting: &Sighting) -> Fix {
         let Self { sheets, ranges, table, rows, pool } = self;
-        let mut work = Work { ranges, table, rows, pool, modes: MODES, ceilings: MAX_CEILINGS };
+        let mut work = Work { ranges, table, rows, pool, effort: Effort::FULL };
         locate(survey, room, sighting, sheets, &mut work)
     }
 
@@ -84,10 +82,12 @@ impl<'a> Locator<'a> {
         fill(table);
         rows.set(table);
         let found = search(rows, sheets, |_, _| true, pool);
-        let wanted = found.min(MODES);
+        let wanted = found.min(Effort::FULL.modes);
         let mut modes: Vec<Mode> = Vec::with_capacity(wanted);
         for mode in &pool[..wanted] {
-            modes.extend(sheets.get(usize::from(mode.sheet)).map(|sheet| refine(table, sheet, *mode)));
+            modes.extend(
+                sheets.get(usize::from(mode.sheet)).map(|sheet| refine(table, sheet, *mode, Rays::Many)),
+            );
         }
         answer(sheets, &mut modes)
     }

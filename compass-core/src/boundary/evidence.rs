@@ -153,12 +153,16 @@ pub(super) fn ceilings(height_m: f32) -> [i8; 2] {
     })
 }
 
+/// Every how many-th direction is asked where the ceiling is: those beside see the same walls.
+const ASKED: usize = 3;
+
 /// How well the directions see both boundaries at one range, if the ceiling is at a height: the sum of each one's best.
 pub(super) fn agreement(floor: &[u8], ceiling: &[u8], offset: i8) -> i32 {
-    let mut best = [i16::MIN; BINS];
+    let mut best = [i16::MIN; BINS / ASKED];
     for (rung, prior) in PRIOR.iter().enumerate() {
         let (floor, ceiling) = rows(floor, ceiling, rung, offset);
-        for ((best, floor), ceiling) in best.iter_mut().zip(floor).zip(ceiling) {
+        let asked = floor.as_chunks::<ASKED>().0.iter().zip(ceiling.as_chunks::<ASKED>().0);
+        for (best, ([floor, ..], [ceiling, ..])) in best.iter_mut().zip(asked) {
             *best = (*best).max(i16::from(*floor) + i16::from(*ceiling) + prior);
         }
     }

@@ -47,7 +47,7 @@ impl<'a> Survey<'a> {
     /// height of the camera, in [rungs](super::height_rungs), bounds the room.
     ///
     /// # Cost
-    /// A pass over the cells for each height that the ceiling may have: 45.
+    /// A pass over a third of the cells for each height that the ceiling may have: 45.
     #[must_use]
     pub fn ceilings(&self, height: Option<i8>) -> Vec<i8, MAX_CEILINGS> {
         let [least, most] = height.map_or(evidence::CEILINGS, |rungs| evidence::ceilings(height_m(rungs)));

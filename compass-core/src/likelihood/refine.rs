@@ -5,7 +5,7 @@
 //! around the heading. When the pattern is narrow, of the diagonal neighbours only the one between the better two of the
 //! others is looked at, and parts of a degree are tried as well.
 //!
-//! A quarter of the rays do for most of the way, since neighbouring bins see the same wall.
+//! A quarter of the [`Rays`] do for most of the way, since neighbouring bins see the same wall.
 
 use super::search::{Mode, Sheet};
 use super::table::Table;
@@ -19,8 +19,6 @@ const FINEST: Metres = Metres::from_bits((1 << 32) / 50);
 const WIDE: Metres = Metres::from_bits((1 << 32) / 10);
 /// Patterns below this are polished, 0.05 m.
 const POLISHED: Metres = Metres::from_bits((1 << 32) / 20);
-/// Every how many-th ray is cast until then.
-const STRIDE: usize = 4;
 /// Headings a cast is laid at, one degree apart, while the pattern is wide and when it is narrow.
 const WIDE_HEADINGS: usize = 9;
 const NARROW_HEADINGS: usize = 3;
@@ -29,9 +27,9 @@ const NARROW_HEADINGS: usize = 3;
 const LEVELS: usize = 6;
 /// Moves at one width.
 const MOVES: usize = 4;
-/// No more casts than this are made, with all rays or some of them: one each to begin and to end of each
-/// part, one to begin climbing, and per move eight neighbours and two headings; two parts share widths.
-pub const MAX_CASTS: usize = 9 + 2 * LEVELS * MOVES * (4 + DIAGONAL.len() + TURNS.len());
+/// No more casts than this are made, with all rays or some of them: eight where the parts begin and end, and per move eight
+/// neighbours and two headings; two parts share widths.
+pub const MAX_CASTS: usize = 8 + 2 * LEVELS * MOVES * (4 + DIAGONAL.len() + TURNS.len());
 
 /// The neighbours of a position along x and y, and diagonally.
 const ALONG: [[[i8; 2]; 2]; 2] = [[[1, 0], [-1, 0]], [[0, 1], [0, -1]]];
@@ -39,6 +37,42 @@ const DIAGONAL: [[i8; 2]; 4] = [[1, 1], [-1, 1], [-1, -1], [1, -1]];
 
 /// Headings beside a narrow pattern's, by units that shrink with it.
 const TURNS: [i32; 2] = [1, -1];
+
+/// How many rays are cast on the way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Rays {
+    /// A quarter, and all for the last step.
+    #[default]
+    Many,
+    /// About half as many: for a board.
+    Few,
+}
+
+impl Rays {
+    /// Every how many-th is cast while the pattern is wide.
+    const fn wide(self) -> usize {
+        match self {
+            Self::Many => 4,
+            Self::Few => 8,
+        }
+    }
+
+    /// Every how many-th while it is narrow.
+    const fn narrow(self) -> usize {
+        match self {
+            Self::Many | Self::Few => 4,
+        }
+    }
+
+    /// Every how many-th for the last step.
+    const fn last(self) -> usize {
+        match self {
+            Self::Many => 1,
+            Self::Few => 2,
+        }
+    }
+}
 
 /// A pose and its score in 1/4096 nat of 360 bins.
 #[derive(Debug, Clone, Copy)]
@@ -50,65 +84,54 @@ struct Pose {
 
 /// Climbs from a mode to a top of the likelihood near it, off the grid: [`approach`], [`settle`], then [`polish`].
 ///
-/// The result's score is that of all 360 rays in the table [between rungs](Table::at), and no less than
-/// what the mode has by the same measure. A position outside the plan or occupied is never taken; a
-/// mode that begins at one is returned as it is.
+/// The result's score is that of all 360 rays in the table [between rungs](Table::at), and no less than what the mode has
+/// by the same measure. A position outside the plan or occupied is never taken; a mode that begins at one is returned as it
+/// is.
 ///
 /// # Cost
 /// At most [`MAX_CASTS`] casts. On an office floor with candidates 0.5 m apart it takes as long as some 30
 /// casts of 360 rays.
 #[must_use]
-pub fn refine(table: &Table, sheet: &Sheet<'_>, mode: Mode) -> Mode {
-    polish(table, sheet, settle(table, sheet, approach(table, sheet, mode)))
+pub fn refine(table: &Table, sheet: &Sheet<'_>, mode: Mode, rays: Rays) -> Mode {
+    let whole = Climb { table, plan: sheet.plan, stride: 1 };
+    let Some(start) = whole.best::<1>(mode.at, mode.heading) else { return mode };
+    let near = approach(table, sheet, mode, rays);
+    let end = polish(table, sheet, settle(table, sheet, near, rays), rays);
+    let start = start.mode(mode.sheet);
+    if end.score > start.score { end } else { start }
 }
 
-/// The first part of [`refine`](refine()): the wide patterns, to a decimetre or so.
+/// The first part of [`refine`](refine()): the wide patterns, to a decimetre or so. The score is that of some rays.
 #[must_use]
-pub fn approach(table: &Table, sheet: &Sheet<'_>, mode: Mode) -> Mode {
-    let climb = Climb { table, plan: sheet.plan, stride: STRIDE };
-    climb_through::<WIDE_HEADINGS>(&climb, sheet, mode, |step| step >= WIDE)
+pub fn approach(table: &Table, sheet: &Sheet<'_>, mode: Mode, rays: Rays) -> Mode {
+    let climb = Climb { table, plan: sheet.plan, stride: rays.wide() };
+    let Some(start) = climb.best::<WIDE_HEADINGS>(mode.at, mode.heading) else { return mode };
+    climb.through::<WIDE_HEADINGS>(start, sheet, |step| step >= WIDE).mode(mode.sheet)
 }
 
 /// The second part of [`refine`](refine()): the narrow patterns, from where an [`approach`] ended, to some centimetres.
 #[must_use]
-pub fn settle(table: &Table, sheet: &Sheet<'_>, mode: Mode) -> Mode {
-    let climb = Climb { table, plan: sheet.plan, stride: STRIDE };
-    climb_through::<NARROW_HEADINGS>(&climb, sheet, mode, |step| step < WIDE)
+pub fn settle(table: &Table, sheet: &Sheet<'_>, mode: Mode, rays: Rays) -> Mode {
+    let climb = Climb { table, plan: sheet.plan, stride: rays.narrow() };
+    climb_narrow(&climb, sheet, mode, |step| step < WIDE)
 }
 
-/// The last part of [`refine`](refine()): the narrowest patterns anew, with all rays.
+/// The last part of [`refine`](refine()): the narrowest patterns anew, with all rays or half of them.
 #[must_use]
-pub fn polish(table: &Table, sheet: &Sheet<'_>, mode: Mode) -> Mode {
-    let climb = Climb { table, plan: sheet.plan, stride: 1 };
-    climb_through::<NARROW_HEADINGS>(&climb, sheet, mode, |step| step < POLISHED)
+pub fn polish(table: &Table, sheet: &Sheet<'_>, mode: Mode, rays: Rays) -> Mode {
+    let climb = Climb { table, plan: sheet.plan, stride: rays.last() };
+    climb_narrow(&climb, sheet, mode, |step| step < POLISHED)
 }
 
-/// Climbs through those widths of the pattern that are asked for. What the end is worth all rays say: some may have led
-/// astray.
-fn climb_through<const HEADINGS: usize>(
-    climb: &Climb<'_>,
-    sheet: &Sheet<'_>,
-    mode: Mode,
-    wanted: impl Fn(Metres) -> bool,
-) -> Mode {
+/// Climbs through the narrow widths of the pattern that are asked for. What the end is worth all rays say: some may have
+/// led astray.
+fn climb_narrow(climb: &Climb<'_>, sheet: &Sheet<'_>, mode: Mode, wanted: impl Fn(Metres) -> bool) -> Mode {
     let whole = Climb { stride: 1, ..*climb };
     let Some(start) = whole.best::<1>(mode.at, mode.heading) else { return mode };
-    let Some(mut pose) = climb.best::<HEADINGS>(mode.at, mode.heading) else { return mode };
-    let spacing = Metres::from_bits((i64::from(sheet.map.header().spacing_mm) << 32) / 1000);
-    // Three quarters reach the middle between candidates and a little beyond.
-    let mut step = spacing / 4 * 3;
-    for _ in 0..LEVELS {
-        if wanted(step) {
-            pose = climb.climb::<HEADINGS>(pose, step);
-        }
-        step /= 2;
-        if step < FINEST {
-            break;
-        }
-    }
+    let Some(pose) = climb.best::<NARROW_HEADINGS>(mode.at, mode.heading) else { return mode };
+    let pose = climb.through::<NARROW_HEADINGS>(pose, sheet, wanted);
     let end = whole.best::<NARROW_HEADINGS>(pose.at, pose.heading).filter(|end| end.score > start.score);
-    let Pose { at, heading, score } = end.unwrap_or(start);
-    Mode { at, heading, score: (score + (1 << 7)) >> 8, ..mode }
+    end.unwrap_or(start).mode(mode.sheet)
 }
 
 /// A pose and the way that led to it, in steps.
@@ -126,7 +149,36 @@ struct Climb<'a> {
     stride: usize,
 }
 
+impl Pose {
+    fn mode(self, sheet: u8) -> Mode {
+        let Self { at, heading, score } = self;
+        Mode { sheet, at, heading, score: (score + (1 << 7)) >> 8 }
+    }
+}
+
 impl Climb<'_> {
+    /// Climbs through those widths of the pattern that are asked for.
+    fn through<const HEADINGS: usize>(
+        &self,
+        mut pose: Pose,
+        sheet: &Sheet<'_>,
+        wanted: impl Fn(Metres) -> bool,
+    ) -> Pose {
+        let spacing = Metres::from_bits((i64::from(sheet.map.header().spacing_mm) << 32) / 1000);
+        // Three quarters reach the middle between candidates and a little beyond.
+        let mut step = spacing / 4 * 3;
+        for _ in 0..LEVELS {
+            if wanted(step) {
+                pose = self.climb::<HEADINGS>(pose, step);
+            }
+            step /= 2;
+            if step < FINEST {
+                break;
+            }
+        }
+        pose
+    }
+
     /// Moves while a neighbour is better.
     fn climb<const HEADINGS: usize>(&self, mut pose: Pose, step: Metres) -> Pose {
         let mut came = None;

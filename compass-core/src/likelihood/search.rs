@@ -4,11 +4,13 @@ use super::rows::Rows;
 use crate::num::{BINS, Metres, Point, Turn};
 use crate::order;
 use crate::plan::Plan;
-use crate::site_map::SiteMap;
+use crate::site_map::{PACKED_SCAN_BYTES, SiteMap};
 use core::cmp::Reverse;
 
 /// A candidate's second heading is at least this many degrees from its best.
 const SECOND_DEGREES: usize = 20;
+/// What a rough score may be too low by, in 1/16 nat.
+const SLACK: i32 = 16 * 30;
 /// Modes of a sheet are at least this far apart...
 const APART: Metres = Metres::from_bits(3 << 30);
 /// ...or this much.
@@ -27,11 +29,10 @@ pub struct Sheet<'a> {
     pub floor: u8,
 }
 
-impl Sheet<'_> {
-    /// The planes of a candidate.
-    fn planes<const N: usize>(&self, candidate: usize) -> Option<[u8; N]> {
-        let record = self.map.get(candidate)?;
-        Some(Rows::planes_of_packed(record.layer(usize::from(self.layer))?.packed()?))
+impl<'a> Sheet<'a> {
+    /// The scan of a candidate as it is stored.
+    fn packed(&self, candidate: usize) -> Option<&'a [u8; PACKED_SCAN_BYTES]> {
+        self.map.get(candidate)?.layer(usize::from(self.layer))?.packed()
     }
 }
 
@@ -86,8 +87,12 @@ pub fn search<const N: usize>(
     let mut scores = [0; N];
     for (number, sheet) in (0..=u8::MAX).zip(sheets) {
         for candidate in (0..sheet.map.len()).filter(|&candidate| among(number, candidate)) {
-            let Some(planes) = sheet.planes(candidate) else { continue };
-            rows.scores(&planes, &mut scores);
+            let Some(packed) = sheet.packed(candidate) else { continue };
+            rows.rough_scores(&Rows::rough_planes_of_packed(packed), &mut scores);
+            if !pool.is_worth(Rows::<N>::of_360(top(&scores)).saturating_add(SLACK)) {
+                continue;
+            }
+            rows.scores(&Rows::planes_of_packed(packed), &mut scores);
             if pool.is_worth(Rows::<N>::of_360(top(&scores)))
                 && let Some(at) = sheet.map.position(candidate)
             {

@@ -149,7 +149,7 @@ impl<'a> Record<'a> {
     }
 }
 
-impl LayerView<'_> {
+impl<'a> LayerView<'a> {
     /// The transition signature.
     #[must_use]
     pub fn signature(&self) -> Signature {
@@ -164,7 +164,7 @@ impl LayerView<'_> {
     }
 
     /// The scan as it is stored.
-    pub(crate) fn packed(&self) -> Option<&[u8; PACKED_SCAN_BYTES]> {
+    pub(crate) fn packed(&self) -> Option<&'a [u8; PACKED_SCAN_BYTES]> {
         self.0.last_chunk()
     }
 

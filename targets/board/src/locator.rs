@@ -2,10 +2,10 @@
 
 use crate::scratch::{self, Search};
 use compass_core::attitude::{Arc, Hint, Parameters, Vertical, vertical};
-use compass_core::boundary::{MAX_CEILINGS, Survey, Surveyor};
+use compass_core::boundary::{Survey, Surveyor};
 use compass_core::camera::{Rig, View};
 use compass_core::likelihood::{Mode, Sheet};
-use compass_core::locate::{self, Fix, Room, Work};
+use compass_core::locate::{self, Effort, Fix, Room, Work};
 use compass_core::num::{BINS, Metres, Point, Turn};
 use compass_core::raster::GrayImage;
 use compass_core::segments::{Segment, detect};
@@ -32,22 +32,6 @@ pub struct Frame<'a> {
     pub gray: GrayImage<'a>,
     /// Where it is red: safety gear in the way of a window.
     pub red: Red<'a>,
-}
-
-/// How much work the search may do.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Effort {
-    /// Modes to refine, 1 to [`MAX_MODES`](locate::MAX_MODES).
-    pub modes: usize,
-    /// Heights of the ceiling to try, 1 to [`MAX_CEILINGS`], until an answer is sure.
-    pub ceilings: usize,
-}
-
-impl Default for Effort {
-    /// 8 modes, all ceilings.
-    fn default() -> Self {
-        Self { modes: 8, ceilings: MAX_CEILINGS }
-    }
 }
 
 /// Why there is no answer.
@@ -280,8 +264,7 @@ impl<M: AsMut<[u32]> + AsRef<[u32]>, const SEGMENTS: usize> Locator<M, SEGMENTS>
         let Search { support, ranges, table, rows } =
             Search::new(self.scratch.as_mut()).ok_or(Error::Memory)?;
         let survey = Survey::new(support, self.known).ok_or(Error::Memory)?;
-        let Effort { modes, ceilings } = effort;
-        let mut work = Work { ranges, table, rows, pool: &mut self.pool, modes, ceilings };
+        let mut work = Work { ranges, table, rows, pool: &mut self.pool, effort };
         Ok(locate::locate(&survey, room, &self.sighting, sheets, &mut work))
     }
 
@@ -414,7 +397,7 @@ mod tests {
         assert_eq!(small.look(&rig(), &frames), Err(Error::Order));
         assert_eq!(small.survey(&rig(), &frames), Err(Error::Order));
         assert!(small.sighting().is_none() && small.evidence().is_none());
-        let fix = small.locate(&[], Room::default(), Effort::default());
+        let fix = small.locate(&[], Room::default(), Effort::LITTLE);
         assert_eq!(fix.err(), Some(Error::Order));
     }
 }

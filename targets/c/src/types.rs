@@ -1,10 +1,10 @@
 //! What crosses the boundary, and how it becomes what the core knows.
 
-use compass_board::{Effort, Error};
+use compass_board::Error;
 use compass_core::boundary::height_rungs;
 use compass_core::camera::{Camera, Intrinsics, KannalaBrandt, View};
 use compass_core::likelihood::Mode;
-use compass_core::locate::{Fix, Room};
+use compass_core::locate::{Effort, Fix, Room};
 use compass_core::num::Metres;
 use compass_core::plan::MarchError;
 use compass_core::scan::Scan;
@@ -154,7 +154,7 @@ impl CompassRoom {
     pub(crate) fn parts(&self) -> (Room, Effort) {
         let told = self.camera_height_m > 0.0;
         let room = Room { height: told.then(|| height_rungs(self.camera_height_m)), ceiling: None };
-        (room, Effort { modes: self.places.into(), ceilings: self.ceilings.into() })
+        (room, Effort { modes: self.places.into(), ceilings: self.ceilings.into(), ..Effort::LITTLE })
     }
 }
 

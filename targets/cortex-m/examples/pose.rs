@@ -2,8 +2,8 @@
 #![no_std]
 #![no_main]
 
-use compass_board::{Effort, Error, Locator, words};
-use compass_core::locate::{Fix, Room};
+use compass_board::{Error, Locator, words};
+use compass_core::locate::{Effort, Fix, Room};
 use compass_core::windows::level::Resolution;
 use compass_firmware::files::refuse;
 use compass_golden::{Inputs, UP, frames, rig};
@@ -16,7 +16,7 @@ fn locate(eyes: &mut Eyes) -> Result<Fix, Error> {
     // A product's frames come from its cameras, its lenses from a calibration, its sheets from a site file:
     // `compass_board::sheets`.
     eyes.see(&rig(), &frames(), UP)?;
-    eyes.locate(&[Inputs::SAMPLE.sheet()], Room::default(), Effort::default())
+    eyes.locate(&[Inputs::SAMPLE.sheet()], Room::default(), Effort::LITTLE)
 }
 
 #[entry]

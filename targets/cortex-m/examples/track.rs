@@ -2,8 +2,8 @@
 #![no_std]
 #![no_main]
 
-use compass_board::{Effort, Error, Locator, words};
-use compass_core::locate::Room;
+use compass_board::{Error, Locator, words};
+use compass_core::locate::{Effort, Room};
 use compass_core::track::{Motion, Track};
 use compass_core::windows::level::Resolution;
 use compass_firmware::files::refuse;
@@ -22,7 +22,7 @@ fn follow(eyes: &mut Eyes, track: &mut Track) -> Result<(), Error> {
     for number in 0..3 {
         // The next frames: here, the same again.
         eyes.see(&rig(), &frames(), UP)?;
-        let fix = eyes.locate(&sheets, Room::default(), Effort::default())?;
+        let fix = eyes.locate(&sheets, Room::default(), Effort::LITTLE)?;
         let since = if number == 0 { (0.0, None) } else { (SECONDS, Some(MOTION)) };
         let Some(now) = eyes.track(track, &sheets, &fix, since.0, since.1)? else { continue };
         let at = now.mode.at;

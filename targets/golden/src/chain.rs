@@ -1,11 +1,11 @@
 //! What a firmware does with packed frames: pose and track, step by step.
 
 use crate::Eyes;
-use compass_board::{Effort, Error, Frame, Locator};
+use compass_board::{Error, Frame, Locator};
 use compass_core::attitude::Hint;
 use compass_core::boundary::height_rungs;
 use compass_core::likelihood::{Mode, Sheet};
-use compass_core::locate::{Fix, Room};
+use compass_core::locate::{Effort, Fix, Room};
 use compass_core::shot::Shot;
 use compass_core::track::{Estimate, Track};
 use compass_core::windows::level::Red;
@@ -58,7 +58,7 @@ impl Chain {
         meter.step("windows", || eyes.look(rig, &frames))?;
         meter.step("ranges", || eyes.survey(rig, &frames))?;
         let room = Room { height: header.height_m.map(height_rungs), ceiling: None };
-        let fix = meter.step("locate", || eyes.locate(sheets, room, Effort::default()))?;
+        let fix = meter.step("locate", || eyes.locate(sheets, room, Effort::LITTLE))?;
         let passed_ns = self.last_ns.map_or(0, |last| header.time_ns.saturating_sub(last));
         let seconds = passed_ns as f32 * 1e-9;
         let track = &mut self.track;

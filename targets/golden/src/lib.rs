@@ -13,11 +13,11 @@ mod chain;
 mod eyes;
 
 pub use chain::{Chain, Found, Meter};
-use compass_board::{Effort, Locator};
+use compass_board::Locator;
 use compass_core::boundary::height_rungs;
 use compass_core::descriptor::Descriptor;
 use compass_core::likelihood::{Mode, Sheet};
-use compass_core::locate::{Fix, Room};
+use compass_core::locate::{Effort, Fix, Room};
 use compass_core::matching::{Answer, Board, Exact, GROUP, Group, Index, Match, exhaustive, shortlist};
 use compass_core::num::{BINS, Metres, Point, Score, Turn, Unit};
 use compass_core::plan::Plan;
@@ -37,7 +37,6 @@ const SHORTLIST: usize = 64;
 /// Matches that the shortlist chooses alternatives from.
 const SHORTLIST_POOL: usize = 256;
 /// How much work the search for the pose of the frames may do.
-const EFFORT: Effort = Effort { modes: 8, ceilings: 1 };
 /// Height of the cameras of the sample frames above the floor, metres.
 const CAMERA_HEIGHT_M: f32 = 1.6;
 /// Where the sample frames were taken (`compass_host::sample`).
@@ -482,7 +481,7 @@ fn ranges(_: &Inputs<'_>, workspace: &mut Workspace) {
 /// The pose of the frames, from what the eyes saw: searched on the whole map and refined on the plan.
 fn locate_frames(inputs: &Inputs<'_>, workspace: &mut Workspace) {
     let room = Room { height: Some(height_rungs(CAMERA_HEIGHT_M)), ceiling: None };
-    let fix = workspace.eyes.locate(&[inputs.sheet()], room, EFFORT);
+    let fix = workspace.eyes.locate(&[inputs.sheet()], room, Effort::LITTLE);
     workspace.fix = Some(fix.expect("the ranges are known"));
 }
 
