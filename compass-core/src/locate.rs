@@ -69,8 +69,15 @@ pub struct Effort {
 impl Effort {
     /// What pays on a computer.
     pub const FULL: Self = Self { modes: 24, settled: 8, ceilings: MAX_CEILINGS, rays: Rays::Many };
-    /// What a microcontroller can do: a seventh of the work, and nearly as good where the camera's height is told.
+    /// A third of the work or less, and nearly as good where the camera's height is told.
     pub const LITTLE: Self = Self { modes: 8, settled: 4, ceilings: 1, rays: Rays::Few };
+
+    /// What pays on a microcontroller: little where the camera's height is told. Where it is not, a little work finds too
+    /// few.
+    #[must_use]
+    pub const fn on_board(room: &Room) -> Self {
+        if room.height.is_some() { Self::LITTLE } else { Self::FULL }
+    }
 }
 
 /// Where the cameras are.

@@ -13,7 +13,7 @@
 //!
 //! fn pose(eyes: &mut Eyes, rig: &Rig, frames: &[Option<Frame>; 2], up: Hint, site: &[Sheet]) -> Result<Fix, Error> {
 //!     eyes.see(rig, frames, up)?;
-//!     eyes.locate(site, Room::default(), Effort::LITTLE)
+//!     eyes.locate(site, Room::default(), Effort::on_board(&Room::default()))
 //! }
 //! ```
 #![no_std]

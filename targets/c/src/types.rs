@@ -142,11 +142,11 @@ impl From<&Scan> for CompassScan {
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CompassRoom {
-    /// Height of the cameras above the floor, metres; 0 if it is to be found as well, which takes about 7 times as long.
+    /// Height of the cameras above the floor, metres; 0 if it is to be found as well, which takes 5 to 25 times as long.
     pub camera_height_m: f32,
-    /// Places to look at closely, 1 to 48; 8 do.
+    /// Places to look at closely, 1 to 48: 8 do if the height is told, 24 if it is not.
     pub places: u8,
-    /// Heights of the ceiling to try until an answer is sure, 1 to 4.
+    /// Heights of the ceiling to try until an answer is sure: 1 does if the camera's height is told, 4 if it is not.
     pub ceilings: u8,
 }
 
@@ -154,7 +154,8 @@ impl CompassRoom {
     pub(crate) fn parts(&self) -> (Room, Effort) {
         let told = self.camera_height_m > 0.0;
         let room = Room { height: told.then(|| height_rungs(self.camera_height_m)), ceiling: None };
-        (room, Effort { modes: self.places.into(), ceilings: self.ceilings.into(), ..Effort::LITTLE })
+        let effort = Effort::on_board(&room);
+        (room, Effort { modes: self.places.into(), ceilings: self.ceilings.into(), ..effort })
     }
 }
 

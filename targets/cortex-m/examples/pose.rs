@@ -3,6 +3,7 @@
 #![no_main]
 
 use compass_board::{Error, Locator, words};
+use compass_core::boundary::height_rungs;
 use compass_core::locate::{Effort, Fix, Room};
 use compass_core::windows::level::Resolution;
 use compass_firmware::files::refuse;
@@ -16,7 +17,8 @@ fn locate(eyes: &mut Eyes) -> Result<Fix, Error> {
     // A product's frames come from its cameras, its lenses from a calibration, its sheets from a site file:
     // `compass_board::sheets`.
     eyes.see(&rig(), &frames(), UP)?;
-    eyes.locate(&[Inputs::SAMPLE.sheet()], Room::default(), Effort::LITTLE)
+    let room = Room { height: Some(height_rungs(1.6)), ceiling: None };
+    eyes.locate(&[Inputs::SAMPLE.sheet()], room, Effort::on_board(&room))
 }
 
 #[entry]

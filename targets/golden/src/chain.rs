@@ -58,7 +58,7 @@ impl Chain {
         meter.step("windows", || eyes.look(rig, &frames))?;
         meter.step("ranges", || eyes.survey(rig, &frames))?;
         let room = Room { height: header.height_m.map(height_rungs), ceiling: None };
-        let fix = meter.step("locate", || eyes.locate(sheets, room, Effort::LITTLE))?;
+        let fix = meter.step("locate", || eyes.locate(sheets, room, Effort::on_board(&room)))?;
         let passed_ns = self.last_ns.map_or(0, |last| header.time_ns.saturating_sub(last));
         let seconds = passed_ns as f32 * 1e-9;
         let track = &mut self.track;

@@ -481,7 +481,7 @@ fn ranges(_: &Inputs<'_>, workspace: &mut Workspace) {
 /// The pose of the frames, from what the eyes saw: searched on the whole map and refined on the plan.
 fn locate_frames(inputs: &Inputs<'_>, workspace: &mut Workspace) {
     let room = Room { height: Some(height_rungs(CAMERA_HEIGHT_M)), ceiling: None };
-    let fix = workspace.eyes.locate(&[inputs.sheet()], room, Effort::LITTLE);
+    let fix = workspace.eyes.locate(&[inputs.sheet()], room, Effort::on_board(&room));
     workspace.fix = Some(fix.expect("the ranges are known"));
 }
 
