@@ -274,6 +274,27 @@ mod tests {
     }
 
     #[test]
+    fn rough_scores_are_those_of_rays_that_agree_with_the_ones_after_them() {
+        let table = noise(11);
+        let mut rows = Box::new(Rows::<90>::BLANK);
+        rows.set(&table);
+        let plane = |i: usize| ((i * i + 3) % PLANES) as u8;
+        let alike: [u8; 90] = core::array::from_fn(|i| plane(i / ROUGH));
+        let (mut exact, mut rough) = ([0; 90], [0; 90]);
+        rows.scores(&alike, &mut exact);
+        rows.rough_scores(&alike, &mut rough);
+        assert_eq!(rough, exact);
+        // Rays in between do not matter.
+        let others: [u8; 90] = core::array::from_fn(|i| if i % ROUGH == 0 { plane(i / ROUGH) } else { 1 });
+        rows.rough_scores(&others, &mut rough);
+        assert_eq!(rough, exact);
+        let packed = core::array::from_fn(|at| (at * at) as u8);
+        let (all, some) =
+            (Rows::<90>::planes_of_packed(&packed), Rows::<90>::rough_planes_of_packed(&packed));
+        assert!((0..90).step_by(ROUGH).all(|i| some[i] == all[i]));
+    }
+
+    #[test]
     fn extremes_do_not_overflow() {
         for value in [-1000, 1000] {
             let mut table = Box::new(Table::EMPTY);
