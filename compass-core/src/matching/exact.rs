@@ -11,7 +11,7 @@ use super::index::{Group, Index, Rest, spectrum};
 use super::lanes::{self, LANES, Lane, POINTS, TRANSFORM_ERROR};
 use super::shortlist::top_candidates;
 use crate::descriptor::{CHANNELS, Descriptor};
-use crate::harmonics::{HARMONICS, Pair, harmonics};
+use crate::harmonics::{HARMONICS, Pair};
 use crate::num::{BINS, Score};
 use crate::scan::Scan;
 use crate::signature::Signature;
@@ -107,10 +107,10 @@ pub fn exhaustive(
     if index.len() != map.len() {
         return None;
     }
-    work.low.set(query);
     if query.is_masked() {
         bounds.fill(0);
     } else {
+        work.low.set(query);
         for (group, bounds) in index.as_groups().iter().zip(bounds.chunks_mut(super::GROUP)) {
             work.bound(group, bounds);
         }
@@ -296,6 +296,7 @@ impl LowQuery {
         similarity: Similarity::Centred,
     };
 
+    /// Of a query that is certain: a masked one has no bounds.
     fn set(&mut self, query: &Query) {
         self.similarity = query.similarity();
         self.norm = query.squared_norm().isqrt().max(1);
@@ -303,8 +304,7 @@ impl LowQuery {
         for (channel, harmonics_out) in weighted.iter_mut().enumerate() {
             let values: [i16; BINS] = core::array::from_fn(|bin| query.balanced(channel, bin));
             let weight = i64::from(query.weights().0[channel]);
-            let found: [Pair<i64>; HARMONICS] =
-                if query.is_masked() { harmonics(&values) } else { spectrum(&values) };
+            let found: [Pair<i64>; HARMONICS] = spectrum(&values);
             let sum: i32 = values.iter().map(|&v| i32::from(v)).sum();
             let square: i32 = values.iter().map(|&v| i32::from(v) * i32::from(v)).sum();
             let rest = Rest::of(&found, sum, square);

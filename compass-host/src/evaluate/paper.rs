@@ -28,6 +28,7 @@ pub struct Paper {
     scratch: Vec<Complex64>,
     scan: Scan,
     descriptor: Descriptor,
+    sums: Box<Sums>,
 }
 
 /// What was seen.
@@ -38,7 +39,8 @@ struct Query {
     /// Sums of the mask, of masked values and of masked squares.
     total: f64,
     sums: [f64; CHANNELS],
-    squares: [f64; CHANNELS],
+    /// The squared norm in each of the [`PAPER`] ways; 0 without contrast.
+    norms: [f64; PAPER.len()],
 }
 
 /// Sums over the bins that were seen, by channel and shift.
@@ -46,6 +48,14 @@ struct Sums {
     products: [[f64; BINS]; CHANNELS],
     values: [[f64; BINS]; CHANNELS],
     squares: [[f64; BINS]; CHANNELS],
+}
+
+impl Sums {
+    const ZERO: Self = Self {
+        products: [[0.0; BINS]; CHANNELS],
+        values: [[0.0; BINS]; CHANNELS],
+        squares: [[0.0; BINS]; CHANNELS],
+    };
 }
 
 impl std::fmt::Debug for Paper {
@@ -60,7 +70,8 @@ impl Default for Paper {
         let (forward, inverse) = (planner.plan_fft_forward(BINS), planner.plan_fft_inverse(BINS));
         let length = forward.get_inplace_scratch_len().max(inverse.get_inplace_scratch_len());
         let scratch = vec![Complex64::default(); length];
-        Self { forward, inverse, scratch, scan: Scan::OPEN, descriptor: Descriptor::ZERO }
+        let sums = Box::new(Sums::ZERO);
+        Self { forward, inverse, scratch, scan: Scan::OPEN, descriptor: Descriptor::ZERO, sums }
     }
 }
 
@@ -78,10 +89,10 @@ impl Paper {
         for (number, record) in (0..).zip(map.iter()) {
             record.scan(&mut self.scan);
             self.descriptor.fill(&self.scan);
-            let sums = self.sums(&query, &Profile::from(&self.descriptor));
+            self.gather(&query, &Profile::from(&self.descriptor));
             for (way, best) in best.iter_mut().enumerate() {
                 for shift in 0..BINS {
-                    let score = query.score(&sums, way, shift);
+                    let score = query.score(&self.sums, way, shift);
                     if score > best.0 {
                         *best = (score, Some((number, shift)));
                     }
@@ -107,21 +118,20 @@ impl Paper {
         };
         let sum = |value: &dyn Fn(usize) -> f64| (0..BINS).map(|bin| mask[bin] * value(bin)).sum();
         let at = |channel: usize, bin: usize| f64::from(profile.values[channel][bin]);
+        let total = sum(&|_| 1.0);
+        let sums: [f64; CHANNELS] = from_fn(|channel| sum(&|bin| at(channel, bin)));
+        let squares: [f64; CHANNELS] = from_fn(|channel| sum(&|bin| at(channel, bin).powi(2)));
         Query {
             mask: transformed(&|_| 1.0),
             values: from_fn(|channel| transformed(&|bin| at(channel, bin))),
-            total: sum(&|_| 1.0),
-            sums: from_fn(|channel| sum(&|bin| at(channel, bin))),
-            squares: from_fn(|channel| sum(&|bin| at(channel, bin).powi(2))),
+            total,
+            sums,
+            norms: from_fn(|way| norm(way, total, |channel| [squares[channel], sums[channel]])),
         }
     }
 
-    fn sums(&mut self, query: &Query, profile: &Profile) -> Box<Sums> {
-        let mut sums = Box::new(Sums {
-            products: [[0.0; BINS]; CHANNELS],
-            values: [[0.0; BINS]; CHANNELS],
-            squares: [[0.0; BINS]; CHANNELS],
-        });
+    /// Fills in the sums of a candidate.
+    fn gather(&mut self, query: &Query, profile: &Profile) {
         for (channel, values) in profile.values.iter().enumerate() {
             // Values and squares as the two parts of one signal.
             let mut pair: Signals = from_fn(|bin| {
@@ -140,12 +150,11 @@ impl Paper {
             for bin in 0..BINS {
                 // The query's bin i lies over the candidate's bin i + shift.
                 let [masked, product] = [masked[bin], product[bin]].map(|part| part / BINS as f64);
-                sums.values[channel][bin] = masked.re;
-                sums.squares[channel][bin] = masked.im;
-                sums.products[channel][bin] = product.re;
+                self.sums.values[channel][bin] = masked.re;
+                self.sums.squares[channel][bin] = masked.im;
+                self.sums.products[channel][bin] = product.re;
             }
         }
-        sums
     }
 }
 
@@ -153,24 +162,42 @@ impl Query {
     /// The cosine of one of the [`PAPER`] ways at a shift, as [`compass_core::similarity`] defines it.
     fn score(&self, sums: &Sums, way: usize, shift: usize) -> f64 {
         let (_, similarity, weights) = PAPER[way];
-        let (mut numerator, mut own, mut other) = (0.0, [0.0; 2], [0.0; 2]);
-        for (channel, weight) in weights.0.iter().map(|w| f64::from(*w)).enumerate() {
-            let (value, square) = (sums.values[channel][shift], sums.squares[channel][shift]);
-            let product = sums.products[channel][shift];
-            let spread = |products: f64, of_sums: f64| match similarity {
-                Similarity::Plain => [products, products],
-                Similarity::Centred => [self.total * products - of_sums, self.total * products],
-            };
-            let add = |norm: &mut [f64; 2], parts: [f64; 2]| {
-                norm.iter_mut().zip(parts).for_each(|(norm, part)| *norm += weight * part);
-            };
-            numerator += weight * spread(product, self.sums[channel] * value)[0];
-            add(&mut own, spread(self.squares[channel], self.sums[channel].powi(2)));
-            add(&mut other, spread(square, value * value));
+        let own = self.norms[way];
+        let other =
+            norm(way, self.total, |channel| [&sums.squares, &sums.values].map(|of| of[channel][shift]));
+        if own == 0.0 || other == 0.0 {
+            return 0.0;
         }
-        let has_contrast = |norm: [f64; 2]| norm[0] > NO_CONTRAST * norm[1];
-        if has_contrast(own) && has_contrast(other) { numerator / (own[0] * other[0]).sqrt() } else { 0.0 }
+        let spread = |channel: usize| {
+            let product = sums.products[channel][shift];
+            match similarity {
+                Similarity::Plain => product,
+                Similarity::Centred => {
+                    self.total * product - self.sums[channel] * sums.values[channel][shift]
+                }
+            }
+        };
+        let numerator: f64 =
+            (0..CHANNELS).map(|channel| f64::from(weights.0[channel]) * spread(channel)).sum();
+        numerator / (own * other).sqrt()
     }
+}
+
+/// The squared norm of a side in one of the [`PAPER`] ways, from the sum of the mask and per channel those of squares and
+/// values; 0 without contrast.
+fn norm(way: usize, total: f64, sums: impl Fn(usize) -> [f64; 2]) -> f64 {
+    let (_, similarity, weights) = PAPER[way];
+    let (mut norm, mut whole) = (0.0, 0.0);
+    for (channel, weight) in weights.0.iter().map(|w| f64::from(*w)).enumerate() {
+        let [squares, values] = sums(channel);
+        let (spread, all) = match similarity {
+            Similarity::Plain => (squares, squares),
+            Similarity::Centred => (total * squares - values * values, total * squares),
+        };
+        norm += weight * spread;
+        whole += weight * all;
+    }
+    if norm > NO_CONTRAST * whole { norm } else { 0.0 }
 }
 
 #[cfg(test)]
@@ -180,6 +207,15 @@ mod tests {
     use crate::sample::building;
     use crate::site::{BuildOptions, PackedPlan, build};
     use compass_core::similarity::{Candidate, Query as ExactQuery};
+
+    /// The sample building and its site map.
+    fn floor(spacing_m: f64) -> (PackedPlan, Vec<u8>) {
+        let raster = PlanRaster::from(building());
+        let plan = PackedPlan::new(&raster).unwrap();
+        let options = BuildOptions { spacing_m, ..BuildOptions::default() };
+        let map = build(&raster, &plan, None, &options).unwrap();
+        (plan, map)
+    }
 
     /// The best score of all, in exact integers.
     fn exact(map: &SiteMap<'_>, scan: &Scan, seen: &Confidence, way: usize) -> Match {
@@ -202,10 +238,7 @@ mod tests {
 
     #[test]
     fn the_best_in_exact_integers_is_found_in_every_way() {
-        let raster = PlanRaster::from(building());
-        let plan = PackedPlan::new(&raster).unwrap();
-        let options = BuildOptions { spacing_m: 2.0, ..BuildOptions::default() };
-        let bytes = build(&raster, &plan, None, &options).unwrap();
+        let (plan, bytes) = floor(2.0);
         let map = SiteMap::new(&bytes).unwrap();
         let half = |bin: usize| if bin < 180 { 16 - (bin / 20) as u8 } else { 0 };
         for seen in [Confidence::CERTAIN, Confidence::new(&from_fn(half))] {
@@ -221,10 +254,7 @@ mod tests {
 
     #[test]
     fn what_has_no_contrast_finds_nothing() {
-        let raster = PlanRaster::from(building());
-        let plan = PackedPlan::new(&raster).unwrap();
-        let options = BuildOptions { spacing_m: 4.0, ..BuildOptions::default() };
-        let bytes = build(&raster, &plan, None, &options).unwrap();
+        let (_, bytes) = floor(4.0);
         let map = SiteMap::new(&bytes).unwrap();
         let found = Paper::default().best(&map, &Scan::OPEN, &Confidence::CERTAIN);
         assert!(found[1..].iter().all(Option::is_none), "{found:?}");
