@@ -1,9 +1,7 @@
 //! From what is seen to a pose: search over heights of ceiling and camera, candidates and headings, refinement, answer.
 
 use crate::boundary::{MAX_CEILINGS, Ranges, Survey, height_m};
-use crate::likelihood::{
-    Answer, Mode, Rays, Rows, Sheet, Table, answer, approach, polish, refine, search, settle,
-};
+use crate::likelihood::{Answer, Mode, Rows, Sheet, Table, answer, approach, polish, search, settle};
 use crate::num::{Metres, Turn};
 use crate::order;
 use crate::sight;
@@ -62,21 +60,30 @@ pub struct Effort {
     pub settled: usize,
     /// How many heights of the ceiling to try until an answer is sure, 1 to [`MAX_CEILINGS`].
     pub ceilings: usize,
-    /// How many rays are cast while a mode is refined.
-    pub rays: Rays,
+    /// Every how many-th candidate is looked at.
+    pub candidates: usize,
+    /// Every how many-th ray is cast while modes [approach] their tops, at least 4.
+    pub rays: usize,
+    /// Whether an answer that is not sure is sought once more, with twice as many heights of a camera whose height is not
+    /// known.
+    pub again: bool,
 }
 
 impl Effort {
     /// What pays on a computer.
-    pub const FULL: Self = Self { modes: 24, settled: 8, ceilings: MAX_CEILINGS, rays: Rays::Many };
-    /// A third of the work or less, and nearly as good where the camera's height is told.
-    pub const LITTLE: Self = Self { modes: 8, settled: 4, ceilings: 1, rays: Rays::Few };
+    pub const FULL: Self =
+        Self { modes: 36, settled: 8, ceilings: MAX_CEILINGS, candidates: 1, rays: 4, again: true };
+    /// A half to two thirds of the work, and nearly as good.
+    pub const SOME: Self = Self { modes: 24, settled: 8, ceilings: 3, candidates: 1, rays: 6, again: false };
+    /// A third of it or less, and nearly as good where the camera's height is told.
+    pub const LITTLE: Self =
+        Self { modes: 12, settled: 4, ceilings: 1, candidates: 2, rays: 6, again: false };
 
-    /// What pays on a microcontroller: little where the camera's height is told. Where it is not, a little work finds too
+    /// What pays on a microcontroller: little where the camera's height is told. Where it is not, so little work finds too
     /// few.
     #[must_use]
     pub const fn on_board(room: &Room) -> Self {
-        if room.height.is_some() { Self::LITTLE } else { Self::FULL }
+        if room.height.is_some() { Self::LITTLE } else { Self::SOME }
     }
 }
 
@@ -151,7 +158,7 @@ pub fn locate<const N: usize>(
             return best;
         }
     }
-    if room.height.is_none() {
+    if room.height.is_none() && work.effort.again {
         survey.ranges(best.ceiling, work.ranges);
         let (answer, height) = look(None, fine, sighting, sheets, work);
         // With the same ceiling scores compare.
@@ -173,15 +180,16 @@ fn look<const N: usize>(
 ) -> (Answer, i8) {
     let Work { ranges, table, rows, pool, effort } = work;
     let heights = height.map_or_else(|| ranges.heights(), |known| known..=known);
-    let mut evidence = Evidence { ranges, sighting, table, height: None, rays: effort.rays };
+    let mut evidence = Evidence { ranges, sighting, table, height: None };
     let wanted = effort.modes.clamp(1, MAX_MODES);
     let mut found: Vec<Found, MAX_MODES> = Vec::new();
     for height in heights.clone().step_by(step.max(1)) {
         rows.set(evidence.at(height));
-        let count = search(rows, sheets, |_, _| true, pool);
+        let count = search(rows, sheets, |_, candidate| candidate % effort.candidates.max(1) == 0, pool);
         pool.iter().take(count.min(wanted)).for_each(|mode| offer(&mut found, wanted, (*mode, height)));
     }
-    evidence.refine(&heights, sheets, &mut found, approach);
+    evidence
+        .refine(&heights, sheets, &mut found, |table, sheet, mode| approach(table, sheet, mode, effort.rays));
     order::sort_by_key(&mut found, |(mode, height)| (mode.order(), *height));
     let settled = found.len().min(effort.settled.max(1));
     evidence.refine(&heights, sheets, found.get_mut(..settled).unwrap_or_default(), settle);
@@ -205,7 +213,6 @@ struct Evidence<'a> {
     table: &'a mut Table,
     /// The height that the table is for.
     height: Option<i8>,
-    rays: Rays,
 }
 
 impl Evidence<'_> {
@@ -224,13 +231,12 @@ impl Evidence<'_> {
         heights: &RangeInclusive<i8>,
         sheets: &[Sheet<'_>],
         found: &mut [Found],
-        refine: impl Fn(&Table, &Sheet<'_>, Mode, Rays) -> Mode,
+        refine: impl Fn(&Table, &Sheet<'_>, Mode) -> Mode,
     ) {
-        let rays = self.rays;
         for at in heights.clone() {
             for (mode, _) in found.iter_mut().filter(|(_, height)| *height == at) {
                 if let Some(sheet) = sheets.get(usize::from(mode.sheet)) {
-                    *mode = refine(self.at(at), sheet, *mode, rays);
+                    *mode = refine(self.at(at), sheet, *mode);
                 }
             }
         }
@@ -239,12 +245,12 @@ impl Evidence<'_> {
     /// The best mode polished, and tried with the heights next to its own, where they may be.
     fn polish(&mut self, heights: &RangeInclusive<i8>, sheets: &[Sheet<'_>], (best, height): Found) -> Found {
         let Some(sheet) = sheets.get(usize::from(best.sheet)) else { return (best, height) };
-        let rays = self.rays;
-        let best = (polish(self.at(height), sheet, best, rays), height);
-        let beside = [best.1.saturating_sub(1), best.1.saturating_add(1)];
+        let beside = [height.saturating_sub(1), height.saturating_add(1)];
         let tried = beside.into_iter().filter(|height| heights.contains(height));
-        let tried = tried.map(|height| (refine(self.at(height), sheet, best.0, rays), height));
-        tried.fold(best, |best, other| if other.0.score > best.0.score { other } else { best })
+        let tried = tried.map(|height| (settle(self.at(height), sheet, best), height));
+        let (best, height) =
+            tried.fold((best, height), |best, other| if other.0.score > best.0.score { other } else { best });
+        (polish(self.at(height), sheet, best), height)
     }
 }
 

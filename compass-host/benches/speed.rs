@@ -4,7 +4,7 @@
 //! building. `cargo bench -p compass-host`.
 
 use compass_core::descriptor::Descriptor;
-use compass_core::likelihood::{Mode, PLANES, Rays, Rows, Sheet, Table, plane_of, refine, search};
+use compass_core::likelihood::{Mode, PLANES, Rows, Sheet, Table, plane_of, refine, search};
 use compass_core::matching::{Board, Exact, Group, Index, Match, exhaustive, shortlist};
 use compass_core::num::Turn;
 use compass_core::scan::Scan;
@@ -208,7 +208,7 @@ fn likelihoods(c: &mut Criterion) {
     let used = search(&fine, &[sheet], |_, _| true, &mut pool).min(24);
     let modes = pool.get(..used).unwrap_or_default();
     group.bench_function(format!("{used} refinements"), |b| {
-        b.iter(|| modes.iter().map(|&mode| refine(&table, &sheet, mode, Rays::Many).score).max());
+        b.iter(|| modes.iter().map(|&mode| refine(&table, &sheet, mode).score).max());
     });
     group.finish();
 }

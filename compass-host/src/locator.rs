@@ -2,7 +2,7 @@
 
 use crate::site_file::Storey;
 use compass_core::boundary::{Ranges, Survey};
-use compass_core::likelihood::{Answer, Mode, Rays, Rows, Sheet, Table, answer, refine, search};
+use compass_core::likelihood::{Answer, Mode, Rows, Sheet, Table, answer, refine, search};
 use compass_core::locate::{Effort, Fix, Room, Work, locate};
 use compass_core::sight;
 use compass_core::windows::level::Sighting;
@@ -85,9 +85,7 @@ impl<'a> Locator<'a> {
         let wanted = found.min(Effort::FULL.modes);
         let mut modes: Vec<Mode> = Vec::with_capacity(wanted);
         for mode in &pool[..wanted] {
-            modes.extend(
-                sheets.get(usize::from(mode.sheet)).map(|sheet| refine(table, sheet, *mode, Rays::Many)),
-            );
+            modes.extend(sheets.get(usize::from(mode.sheet)).map(|sheet| refine(table, sheet, *mode)));
         }
         answer(sheets, &mut modes)
     }

@@ -62,6 +62,37 @@ static RATIOS: [u32; 84] = {
 /// The logarithm below the first of [`RATIOS`].
 const LOWEST: i8 = -20;
 
+/// How many of [`RATIOS`] are not above a ratio of these [leading bits](leading): at the most one more is not above any
+/// ratio that begins so.
+static PASSED: [u8; 15 << LEADING_BITS] = {
+    let mut passed = [0; 15 << LEADING_BITS];
+    let mut ratio = 1;
+    let mut count = 0;
+    while ratio < 1 << 14 {
+        while count < RATIOS.len() && RATIOS[count] <= ratio {
+            count += 1;
+        }
+        if ratio < 1 << LEADING_BITS || leading(ratio - 1) != leading(ratio) {
+            passed[leading(ratio)] = count as u8;
+        }
+        ratio += 1;
+    }
+    passed
+};
+/// Bits after the first that tell ratios 1/32 apart or nearer: logarithms to the sixteenth are farther apart.
+const LEADING_BITS: u32 = 5;
+
+/// The exponent of a ratio and the bits after the first.
+const fn leading(ratio: u32) -> usize {
+    let exponent = ratio.ilog2();
+    let bits = if exponent < LEADING_BITS {
+        ratio << (LEADING_BITS - exponent)
+    } else {
+        ratio >> (exponent - LEADING_BITS)
+    };
+    ((exponent << LEADING_BITS) + (bits - (1 << LEADING_BITS))) as usize
+}
+
 /// Per azimuth, how likely the wall stands at each rung of range.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
 #[repr(C)]
@@ -217,7 +248,9 @@ fn log_ratio(part: u32, sum: u32) -> i8 {
     // A part is at most 2^16, so that the product stays below 2^31.
     let share = part * ((10 - OUTLIERS_TENTHS) * CHOICES * 256 / 10 / 4) / (sum.max(1) / 4).max(1);
     let ratio = share + OUTLIERS_TENTHS * 256 / 10;
-    LOWEST + RATIOS.partition_point(|least| *least <= ratio) as i8
+    let passed = PASSED.get(leading(ratio)).map_or(RATIOS.len(), |passed| usize::from(*passed));
+    let more = RATIOS.get(passed).is_some_and(|least| *least <= ratio);
+    LOWEST + (passed + usize::from(more)) as i8
 }
 
 #[cfg(test)]
@@ -234,6 +267,18 @@ mod tests {
         }
         assert_eq!(log_ratio(65_536, 65_536), 63, "all of it in one rung");
         assert!(log_ratio(0, 0) < 0, "no sum is no crash");
+    }
+
+    #[test]
+    fn leading_bits_find_the_logarithm() {
+        for part in (0..=65_536).step_by(7) {
+            for sum in [65_536, 70_001, 300_007, 90 << 16] {
+                let share = part * ((10 - OUTLIERS_TENTHS) * CHOICES * 256 / 10 / 4) / (sum / 4);
+                let ratio = share + OUTLIERS_TENTHS * 256 / 10;
+                let passed = RATIOS.partition_point(|least| *least <= ratio) as i8;
+                assert_eq!(log_ratio(part, sum), LOWEST + passed, "{part} of {sum}");
+            }
+        }
     }
 
     #[test]

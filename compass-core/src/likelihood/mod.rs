@@ -11,13 +11,14 @@
 //! All of it is integer arithmetic; directions of which nothing is known change nothing.
 
 mod answer;
+mod parallax;
 mod refine;
 mod rows;
 mod search;
 mod table;
 
 pub use answer::{Answer, answer};
-pub use refine::{MAX_CASTS, Rays, approach, polish, refine, settle};
+pub use refine::{MAX_CASTS, approach, polish, refine, settle};
 pub use rows::Rows;
 pub use search::{Mode, Sheet, search};
 pub use table::{LIMIT, OPEN_PLANE, PLANES, RANGES, RUNG_MM, Table, plane_of};

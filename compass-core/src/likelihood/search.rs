@@ -74,7 +74,7 @@ impl Mode {
 /// the first 256 are searched.
 ///
 /// A candidate is passed over if a fifth of its rays say that it is far from being kept
-/// ([`Rows::rough_scores`]). That is a likelihood too, not a bound: what is passed over might have been kept, but hardly
+/// ([`Rows::rough_top`]). That is a likelihood too, not a bound: what is passed over might have been kept, but hardly
 /// as the best.
 ///
 /// # Cost
@@ -92,8 +92,8 @@ pub fn search<const N: usize>(
     for (number, sheet) in (0..=u8::MAX).zip(sheets) {
         for candidate in (0..sheet.map.len()).filter(|&candidate| among(number, candidate)) {
             let Some(packed) = sheet.packed(candidate) else { continue };
-            rows.rough_scores(&Rows::rough_planes_of_packed(packed), &mut scores);
-            if !pool.is_worth(Rows::<N>::of_360(top(&scores)).saturating_add(SLACK)) {
+            let rough = rows.rough_top(packed);
+            if !pool.is_worth(Rows::<N>::of_360(rough).saturating_add(SLACK)) {
                 continue;
             }
             rows.scores(&Rows::planes_of_packed(packed), &mut scores);

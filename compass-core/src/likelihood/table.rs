@@ -157,7 +157,33 @@ impl Between<'_> {
     /// The value in a direction, 1/4096 nat; 0 in none.
     #[inline]
     pub(super) fn at(&self, bin: usize) -> i32 {
-        let [near, far] = self.rows.map(|row| row.get(bin).map_or(0, |&value| i32::from(value)));
+        let [near, far] = self.rows.map(|row| row.get(bin).copied().unwrap_or(0));
+        self.mix(near, far)
+    }
+}
+
+impl Between<'_> {
+    /// Adds the values in the directions around a bin, 1/4096 nat, the farthest to the left first.
+    #[inline]
+    pub(super) fn add_around<const DIRECTIONS: usize>(&self, bin: usize, sums: &mut [i32; DIRECTIONS]) {
+        let right = bin.wrapping_sub(DIRECTIONS / 2);
+        let part =
+            |row: &[i8; BINS]| row.get(right..).and_then(|row| row.first_chunk::<DIRECTIONS>()).copied();
+        if let [Some(near), Some(far)] = self.rows.map(part) {
+            for (sum, (near, far)) in sums.iter_mut().zip(near.iter().zip(&far).rev()) {
+                *sum += self.mix(*near, *far);
+            }
+            return;
+        }
+        let mut from = (bin + DIRECTIONS / 2) % BINS;
+        for sum in sums {
+            *sum += self.at(from);
+            from = from.checked_sub(1).unwrap_or(BINS - 1);
+        }
+    }
+
+    fn mix(&self, near: i8, far: i8) -> i32 {
+        let (near, far) = (i32::from(near), i32::from(far));
         (near << FRACTION_BITS) + (far - near) * self.fraction
     }
 }

@@ -128,8 +128,8 @@ fn find<const N: usize>(building: &Building, seed: u32) {
         let used = search(&rows, &[sheet], |_, _| true, &mut pool);
         let modes = &mut pool[..used.min(8)];
         for mode in modes.iter_mut() {
-            let refined = refine(&table, &sheet, *mode, Rays::Many);
-            let again = refine(&table, &sheet, refined, Rays::Many);
+            let refined = refine(&table, &sheet, *mode);
+            let again = refine(&table, &sheet, refined);
             assert!(again.score >= refined.score, "never worse");
             assert_eq!(sheet.plan.hit_at(refined.at), Some(Hit::Open));
             *mode = refined;
@@ -157,7 +157,7 @@ fn a_mode_in_a_wall_or_outside_stays() {
     let building = Building::new();
     for at in [point(0.05, 0.05), point(-1.0, 3.0), Point::new(Metres::MAX, Metres::MIN)] {
         let mode = Mode { at, score: 7, ..Mode::NONE };
-        assert_eq!(refine(&Table::EMPTY, &building.sheet(), mode, Rays::Many), mode);
+        assert_eq!(refine(&Table::EMPTY, &building.sheet(), mode), mode);
     }
 }
 

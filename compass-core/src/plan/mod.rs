@@ -229,11 +229,14 @@ impl Frame {
     /// The centre of a cell in the map.
     #[must_use]
     pub fn cell_centre(&self, column: u16, row: u16) -> Point {
+        // 2 index + 1 half cells in nanometres, to Q32 metres, rounded to the nearest: the whole part of a half cell and
+        // what is left of it apart, so that 64 bits do.
+        let half_cell = u64::from(self.resolution_nm) << 31;
+        let (whole, left) = (half_cell / 1_000_000_000, half_cell % 1_000_000_000);
         let along = |index: u16, origin: Metres| {
-            // (2 index + 1) / 2 cells in nanometres, to Q32 metres, rounded to the nearest.
-            let half_nm = i128::from(2 * u32::from(index) + 1) * i128::from(self.resolution_nm);
-            let bits = ((half_nm << 32) + 1_000_000_000) / 2_000_000_000;
-            origin.saturating_add(Metres::from_bits(bits as i64))
+            let halves = 2 * u64::from(index) + 1;
+            let bits = halves * whole + (halves * left + 500_000_000) / 1_000_000_000;
+            origin.saturating_add(Metres::from_bits(bits.cast_signed()))
         };
         Point::new(along(column, self.origin.x), along(row, self.origin.y))
     }

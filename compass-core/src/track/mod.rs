@@ -16,7 +16,7 @@ mod usual;
 
 pub use usual::Usual;
 
-use crate::likelihood::{Mode, Rays, Sheet, Table, refine};
+use crate::likelihood::{Mode, Sheet, Table, refine};
 use crate::num::{Metres, Point, Turn};
 use crate::order;
 use crate::scan::Hit;
@@ -128,7 +128,7 @@ impl Track {
             if let Some(sheet) = sheets.get(usize::from(mode.sheet))
                 && sheet.plan.hit_at(mode.at) == Some(Hit::Open)
             {
-                offer(&mut self.hypotheses, sheets, past.reach(refine(frame.table, sheet, mode, Rays::Many)));
+                offer(&mut self.hypotheses, sheets, past.reach(refine(frame.table, sheet, mode)));
             }
         }
         self.weigh();

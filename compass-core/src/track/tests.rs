@@ -21,7 +21,7 @@ fn seen(building: &Building, x: f64, y: f64, degrees: i64, seed: u32) -> (Box<Ta
         state >> 8
     };
     let table = evidence(&scan, &mut random);
-    let found = refine(&table, &sheet, mode(x, y, degrees, 0), Rays::Many);
+    let found = refine(&table, &sheet, mode(x, y, degrees, 0));
     (table, found)
 }
 

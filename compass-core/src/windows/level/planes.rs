@@ -46,25 +46,40 @@ fn band(resolution: Resolution) -> core::ops::Range<usize> {
 }
 
 /// Clears the cells beside unknown ones: what borders safety gear is still partly red. Uses `lost` as scratch.
-#[inline(always)]
+///
+/// Most words of cells hold none, and are passed over.
 fn erode(gray: &mut [u8], lost: &mut [u8], rows: usize) {
-    let columns = gray.chunks_exact(rows);
-    let left = columns.clone().next_back().into_iter().chain(columns.clone());
-    let right = columns.clone().skip(1).chain(columns.clone().next());
-    for (((here, left), right), lost) in columns.zip(left).zip(right).zip(lost.chunks_exact_mut(rows)) {
-        for (((lost, here), left), right) in lost.iter_mut().zip(here).zip(left).zip(right) {
-            *lost = u8::from(*here == 0 || *left == 0 || *right == 0);
-        }
-        for (lost, above) in lost.iter_mut().skip(1).zip(here) {
-            *lost |= u8::from(*above == 0);
-        }
-        for (lost, below) in lost.iter_mut().zip(here.iter().skip(1)) {
-            *lost |= u8::from(*below == 0);
+    lost.fill(0);
+    let cells = gray.len();
+    let unknown = words(gray).filter(|(_, word)| word.contains(&0)).flat_map(|(start, word)| {
+        let at = move |(offset, level): (usize, &u8)| (*level == 0).then_some(start + offset);
+        word.iter().enumerate().filter_map(at)
+    });
+    for at in unknown {
+        let row = at % rows.max(1);
+        let above = if row > 0 { at - 1 } else { at };
+        let below = if row + 1 < rows { at + 1 } else { at };
+        let left = if at >= rows { at - rows } else { at + cells - rows };
+        let right = if at + rows < cells { at + rows } else { at + rows - cells };
+        for beside in [at, above, below, left, right] {
+            if let Some(lost) = lost.get_mut(beside) {
+                *lost = 1;
+            }
         }
     }
-    for (level, lost) in gray.iter_mut().zip(lost) {
-        *level = if *lost == 0 { *level } else { 0 };
+    for (start, word) in words(lost).filter(|(_, word)| **word != [0; WORD][..word.len()]) {
+        for (level, lost) in gray.iter_mut().skip(start).zip(word) {
+            *level = if *lost == 0 { *level } else { 0 };
+        }
     }
+}
+
+/// Cells that are looked at together.
+const WORD: usize = 8;
+
+/// Cells by words, each with the number of its first; the last may be shorter.
+fn words(cells: &[u8]) -> impl Iterator<Item = (usize, &[u8])> {
+    cells.chunks(WORD).enumerate().map(|(word, cells)| (word * WORD, cells))
 }
 
 /// |level above - level below|; 0 where one of the three is unknown.

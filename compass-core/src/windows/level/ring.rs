@@ -186,18 +186,22 @@ impl<'a> Projector<'a> {
             b / libm::sqrtf(b.dot(&b))
         };
         let mine = seen_from(self.view);
-        let lead = self.rival.map_or(1.0, |rival| mine.z - seen_from(rival).z);
+        // Leaving the rim of the field counts as losing to the other camera.
+        let within = (mine.z - RIM_COS) * 8.0;
+        let lead = |lead: f32| (lead * 16_384.0) as i32;
+        if mine.z <= RIM_COS - 0.05 {
+            return Node { lead: lead(within), ..Node::default() };
+        }
+        let ahead = self.rival.map_or(1.0, |rival| mine.z - seen_from(rival).z);
         // The lens is what costs: where the other camera is far ahead nothing will be looked up.
-        let wanted = lead > BEHIND && mine.z > RIM_COS - 0.05;
-        let pixel = if wanted { self.view.camera.project(&mine) } else { None };
+        let pixel = if ahead > BEHIND { self.view.camera.project(&mine) } else { None };
         let scale = (1 << SUBPIXEL) as f32;
         // Within 2^13 pixels, so that weights of 9 bits fit as well.
         let fixed = |v: f32| (v.clamp(-8_192.0, 8_192.0) * scale) as i32;
         Node {
             x: pixel.map_or(0, |p| fixed(p.x)),
             y: pixel.map_or(0, |p| fixed(p.y)),
-            // Leaving the rim of the field counts as losing to the other camera.
-            lead: (lead.min((mine.z - RIM_COS) * 8.0) * 16_384.0) as i32,
+            lead: lead(if ahead < within { ahead } else { within }),
             usable: pixel.is_some(),
         }
     }
