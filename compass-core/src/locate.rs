@@ -60,8 +60,6 @@ pub struct Effort {
     pub settled: usize,
     /// How many heights of the ceiling to try until an answer is sure, 1 to [`MAX_CEILINGS`].
     pub ceilings: usize,
-    /// Every how many-th candidate is looked at.
-    pub candidates: usize,
     /// Every how many-th ray is cast while modes [approach] their tops, at least 4.
     pub rays: usize,
     /// Whether an answer that is not sure is sought once more, with twice as many heights of a camera whose height is not
@@ -71,13 +69,11 @@ pub struct Effort {
 
 impl Effort {
     /// What pays on a computer.
-    pub const FULL: Self =
-        Self { modes: 36, settled: 8, ceilings: MAX_CEILINGS, candidates: 1, rays: 4, again: true };
+    pub const FULL: Self = Self { modes: 36, settled: 8, ceilings: MAX_CEILINGS, rays: 4, again: true };
     /// A half to two thirds of the work, and nearly as good.
-    pub const SOME: Self = Self { modes: 24, settled: 8, ceilings: 3, candidates: 1, rays: 6, again: false };
+    pub const SOME: Self = Self { modes: 24, settled: 8, ceilings: 3, rays: 6, again: false };
     /// A third of it or less, and nearly as good where the camera's height is told.
-    pub const LITTLE: Self =
-        Self { modes: 12, settled: 4, ceilings: 1, candidates: 2, rays: 6, again: false };
+    pub const LITTLE: Self = Self { modes: 8, settled: 3, ceilings: 1, rays: 6, again: false };
 
     /// What pays on a microcontroller: little where the camera's height is told. Where it is not, so little work finds too
     /// few.
@@ -185,7 +181,7 @@ fn look<const N: usize>(
     let mut found: Vec<Found, MAX_MODES> = Vec::new();
     for height in heights.clone().step_by(step.max(1)) {
         rows.set(evidence.at(height));
-        let count = search(rows, sheets, |_, candidate| candidate % effort.candidates.max(1) == 0, pool);
+        let count = search(rows, sheets, |_, _| true, pool);
         pool.iter().take(count.min(wanted)).for_each(|mode| offer(&mut found, wanted, (*mode, height)));
     }
     evidence

@@ -112,7 +112,7 @@ int main(int count, char **arguments) {
     const float up[3] = {0, 1, 0};
     done(compass_see(compass, frames, up), "see");
 
-    const CompassRoom room = {.camera_height_m = 1.6f, .places = 12, .ceilings = 1};
+    const CompassRoom room = {.camera_height_m = 1.6f, .places = 8, .ceilings = 1};
     CompassFix fix;
     done(compass_locate(compass, &room, &fix), "locate");
     const CompassPose *best = &fix.poses[0];

@@ -146,8 +146,9 @@ impl<const N: usize> Rows<N> {
         };
         while let Some(first) = row() {
             let mut more = || row().unwrap_or(&[0; N]);
-            let four = [first, more(), more(), more()];
-            if N.is_multiple_of(4) { add_rough_pairs(four, sums) } else { add_rough(four, sums) }
+            // Tens and fifteens of rays are usual.
+            let five = [first, more(), more(), more(), more()];
+            if N.is_multiple_of(4) { add_rough_pairs(five, sums) } else { add_rough(five, sums) }
         }
         Self::of_sum(sums.iter().fold(0, |top, sum| top.max(*sum)))
     }
@@ -220,20 +221,22 @@ fn add_pairs<const N: usize>(runs: [Run<'_, N>; 3], sums: &mut [u16; N]) {
     }
 }
 
-/// Adds four rough rows.
+/// Adds five rough rows.
 #[inline]
-fn add_rough([a, b, c, d]: [&[u16]; 4], sums: &mut [u16]) {
-    for (sum, (((a, b), c), d)) in sums.iter_mut().zip(a.iter().zip(b).zip(c).zip(d)) {
-        *sum += (a + b) + (c + d);
+fn add_rough([a, b, c, d, e]: [&[u16]; 5], sums: &mut [u16]) {
+    for (sum, ((((a, b), c), d), e)) in sums.iter_mut().zip(a.iter().zip(b).zip(c).zip(d).zip(e)) {
+        *sum += a + b + c + d + e;
     }
 }
 
 /// The same two headings to a word: no half ever overflows.
 #[inline]
-fn add_rough_pairs(rows: [&[u16]; 4], sums: &mut [u16]) {
-    let [a, b, c, d] = rows.map(|row| row.as_chunks::<2>().0.iter().map(word));
-    for (sum, (((a, b), c), d)) in sums.as_chunks_mut::<2>().0.iter_mut().zip(a.zip(b).zip(c).zip(d)) {
-        *sum = pair(word(sum) + (a + b) + (c + d));
+fn add_rough_pairs(rows: [&[u16]; 5], sums: &mut [u16]) {
+    let [a, b, c, d, e] = rows.map(|row| row.as_chunks::<2>().0.iter().map(word));
+    for (sum, ((((a, b), c), d), e)) in
+        sums.as_chunks_mut::<2>().0.iter_mut().zip(a.zip(b).zip(c).zip(d).zip(e))
+    {
+        *sum = pair(word(sum) + a + b + c + d + e);
     }
 }
 

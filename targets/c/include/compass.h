@@ -107,7 +107,7 @@ typedef struct CompassFrame {
 typedef struct CompassRoom {
   // Height of the cameras above the floor, metres; 0 if it is to be found as well, which takes 2 to 5 times as long in all.
   float camera_height_m;
-  // Places to look at closely, 1 to 48: 12 do if the height is told, 24 if it is not.
+  // Places to look at closely, 1 to 48: 8 do if the height is told, 24 if it is not.
   uint8_t places;
   // Heights of the ceiling to try until an answer is sure: 1 does if the camera's height is told, 3 if it is not.
   uint8_t ceilings;
