@@ -54,14 +54,16 @@ fn frames_find_their_place() {
             assert!(metres >= 1.0 || degrees >= 20.0, "{a} and {b} are the same place");
         }
     }
-    // The same again is the same; a known height and the truth are taken.
+    let again = folder.json(&format!("{LOCALIZE} {options}"));
+    assert_eq!(answer["candidates"], again["candidates"], "the same again is the same");
+    // A known height and the truth are taken. Larger frames, because of these ones another height of the ceiling makes nearly
+    // as good a place.
+    let _ = folder.write_frames(&sample_frames(&pose(), (2 * SIZE.0, 2 * SIZE.1)));
     let known = folder.json(&format!(
         "{LOCALIZE} {options} --camera-height 1.6 --at {},{} --heading {heading}",
         at[0], at[1]
     ));
-    assert!(number(&known["position_error_m"]) < 0.5 && number(&known["heading_error_deg"]) < 3.0);
-    let again = folder.json(&format!("{LOCALIZE} {options}"));
-    assert_eq!(answer["candidates"], again["candidates"]);
+    assert!(number(&known["position_error_m"]) < 0.5 && number(&known["heading_error_deg"]) < 3.0, "{known}");
 }
 
 #[test]

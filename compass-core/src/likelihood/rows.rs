@@ -133,7 +133,7 @@ impl<const N: usize> Rows<N> {
     }
 
     /// About the best of them, for a candidate as a site map stores it, in a tenth of the time: a fourth of its rays or
-    /// less stand for those after them as well, and every other heading is tried.
+    /// fewer stand for those after them as well, and every other heading is tried.
     #[must_use]
     #[inline]
     pub fn rough_top(&self, packed: &[u8; PACKED_SCAN_BYTES]) -> i16 {
@@ -146,7 +146,6 @@ impl<const N: usize> Rows<N> {
         };
         while let Some(first) = row() {
             let mut more = || row().unwrap_or(&[0; N]);
-            // Tens and fifteens of rays are usual.
             let five = [first, more(), more(), more(), more()];
             if N.is_multiple_of(4) { add_rough_pairs(five, sums) } else { add_rough(five, sums) }
         }

@@ -73,13 +73,14 @@ impl Mode {
 /// `among` tells by sheet and number which candidates to look at: `|_, _| true` for all. Of sheets only
 /// the first 256 are searched.
 ///
-/// A candidate is passed over if a fifth of its rays say that it is far from being kept
+/// A candidate is passed over if a few of its rays say that it is far from being kept
 /// ([`Rows::rough_top`]). That is a likelihood too, not a bound: what is passed over might have been kept, but hardly
 /// as the best.
 ///
 /// # Cost
-/// For each candidate N times twice the number of runs of equal planes among a fifth of its rays, and for those that
-/// are not passed over the same of all: about 107 runs at N = 360 and 61 at N = 90 on an office floor, and N at most.
+/// For each candidate N / 2 times an addition per rough ray, of which there are N / 6 to N / 2, and for those that are not
+/// passed over N times twice the number of runs of equal planes: about 107 runs at N = 360 and 61 at N = 90 on an office
+/// floor, and N at most.
 #[inline]
 pub fn search<const N: usize>(
     rows: &Rows<N>,

@@ -160,9 +160,7 @@ impl Between<'_> {
         let [near, far] = self.rows.map(|row| row.get(bin).copied().unwrap_or(0));
         self.mix(near, far)
     }
-}
 
-impl Between<'_> {
     /// Adds the values in the directions around a bin, 1/4096 nat, the farthest to the left first.
     #[inline]
     pub(super) fn add_around<const DIRECTIONS: usize>(&self, bin: usize, sums: &mut [i32; DIRECTIONS]) {
