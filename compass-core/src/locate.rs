@@ -130,9 +130,9 @@ type Found = (Mode, i8);
 /// places rather than well in one. Of the likeliest ones that counts whose best pose leads by the most.
 ///
 /// # Cost
-/// For each ceiling tried one [`search`] per height, and as many [refinements](refine()) as [`Effort::modes`]. Where the
-/// height is not known, a room of usual height allows about 7, the best pose is refined with the two next to its own
-/// as well, and an answer that is not sure takes 14 more searches.
+/// For each ceiling tried one [`search`] per height, and refinement of as many modes as [`Effort::modes`] says. Where the
+/// height is not known, a room of usual height allows about 7, the best pose is tried with the two next to its own
+/// as well, and an answer that is not sure takes 14 more searches if [`Effort::again`].
 #[inline]
 pub fn locate<const N: usize>(
     survey: &Survey<'_>,
