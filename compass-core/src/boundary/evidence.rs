@@ -84,7 +84,8 @@ const LEADING_BITS: u32 = 5;
 
 /// The exponent of a ratio and the bits after the first.
 const fn leading(ratio: u32) -> usize {
-    let exponent = ratio.ilog2();
+    // The exponent of 0 would be a panic.
+    let exponent = (ratio | 1).ilog2();
     let bits = if exponent < LEADING_BITS {
         ratio << (LEADING_BITS - exponent)
     } else {

@@ -44,7 +44,12 @@ pub(super) struct View {
 impl View {
     /// Casts every `stride`-th ray: at the most every fourth counts.
     pub(super) fn cast(plan: &Plan<'_>, at: Point, heading: Turn, stride: usize) -> Result<Self, MarchError> {
-        Ok(Self { heading, stride, first: 0, rays: plan.rays(at, heading, stride)?.take(MOST).collect() })
+        let mut rays = Vec::new();
+        for ray in plan.rays(at, heading, stride)?.take(MOST) {
+            // There is room for all that were taken.
+            let _ = rays.push(ray);
+        }
+        Ok(Self { heading, stride, first: 0, rays })
     }
 
     /// Looks along another heading, whole degrees from that of the cast.

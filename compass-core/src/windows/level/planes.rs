@@ -67,7 +67,7 @@ fn erode(gray: &mut [u8], lost: &mut [u8], rows: usize) {
             }
         }
     }
-    for (start, word) in words(lost).filter(|(_, word)| **word != [0; WORD][..word.len()]) {
+    for (start, word) in words(lost).filter(|(_, word)| word.iter().any(|lost| *lost != 0)) {
         for (level, lost) in gray.iter_mut().skip(start).zip(word) {
             *level = if *lost == 0 { *level } else { 0 };
         }
