@@ -56,8 +56,8 @@ fn frames_find_their_place() {
     }
     let again = folder.json(&format!("{LOCALIZE} {options}"));
     assert_eq!(answer["candidates"], again["candidates"], "the same again is the same");
-    // A known height and the truth are taken. Larger frames, because of these ones another height of the ceiling makes nearly
-    // as good a place.
+    // A known height and the truth are taken. Larger frames: for these ones the place by a wrong height of the ceiling leads
+    // by more than the true one does, though it scores less, and is taken.
     let _ = folder.write_frames(&sample_frames(&pose(), (2 * SIZE.0, 2 * SIZE.1)));
     let known = folder.json(&format!(
         "{LOCALIZE} {options} --camera-height 1.6 --at {},{} --heading {heading}",

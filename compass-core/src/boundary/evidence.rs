@@ -66,16 +66,15 @@ const LOWEST: i8 = -20;
 /// ratio that begins so.
 static PASSED: [u8; 15 << LEADING_BITS] = {
     let mut passed = [0; 15 << LEADING_BITS];
-    let mut ratio = 1;
-    let mut count = 0;
-    while ratio < 1 << 14 {
-        while count < RATIOS.len() && RATIOS[count] <= ratio {
-            count += 1;
+    let mut ratio = 1 << 14;
+    let mut count = RATIOS.len();
+    // Downwards: the least ratio that begins so has the last word.
+    while ratio > 1 {
+        ratio -= 1;
+        while count > 0 && RATIOS[count - 1] > ratio {
+            count -= 1;
         }
-        if ratio < 1 << LEADING_BITS || leading(ratio - 1) != leading(ratio) {
-            passed[leading(ratio)] = count as u8;
-        }
-        ratio += 1;
+        passed[leading(ratio)] = count as u8;
     }
     passed
 };

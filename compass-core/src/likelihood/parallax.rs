@@ -5,8 +5,7 @@
 //! anew, and is good for steps that are short.
 
 use super::table::Table;
-use crate::num::Point;
-use crate::num::{BINS, Metres, Turn, degree_sine};
+use crate::num::{BINS, Metres, Point, Turn, degree_sine};
 use crate::plan::{MarchError, Plan};
 use crate::scan::{Hit, STEPS_PER_METRE};
 use heapless::Vec;

@@ -69,7 +69,8 @@ impl Pose {
 /// casts of 360 rays.
 #[must_use]
 pub fn refine(table: &Table, sheet: &Sheet<'_>, mode: Mode) -> Mode {
-    let Some(start) = worth(table, sheet, &mode) else { return mode };
+    let whole = Climb::<1> { table, plan: sheet.plan, stride: 1 };
+    let Some(start) = whole.cast(mode.at, mode.heading) else { return mode };
     let end = polish(table, sheet, settle(table, sheet, approach(table, sheet, mode, WIDE_STRIDE)));
     let start = start.mode(mode.sheet);
     if end.score > start.score { end } else { start }
@@ -115,11 +116,6 @@ fn climb_narrow(
     let end = climb_through(first, sheet, wanted, |pose, came, step| climb.neighbour(pose, came, step));
     let end = if stride > 1 { whole.cast(end.at, end.heading) } else { Some(end) };
     end.filter(|end| end.score > start.score).unwrap_or(start).mode(mode.sheet)
-}
-
-/// A mode by all rays.
-fn worth(table: &Table, sheet: &Sheet<'_>, mode: &Mode) -> Option<Pose> {
-    Climb::<1> { table, plan: sheet.plan, stride: 1 }.cast(mode.at, mode.heading)
 }
 
 /// Climbs through those widths of the pattern that are asked for, at each while a `neighbour` is better.
@@ -198,8 +194,7 @@ impl<const HEADINGS: usize> Climb<'_, HEADINGS> {
     /// The place that seems best from here, if it is better.
     fn glance(&self, view: &mut View, pose: &Pose, step: Metres) -> Option<Move> {
         let seems = |way: &Way| {
-            let aside = way.map(|steps| step.saturating_mul_int(i64::from(steps)));
-            let scores = view.scores::<HEADINGS>(self.table, aside);
+            let scores = view.scores::<HEADINGS>(self.table, aside(*way, step));
             (best(beside(pose.at, *way, step), pose.heading, scores), *way)
         };
         let is_better = |there: &Pose| there.score > pose.score;
@@ -238,7 +233,11 @@ fn best<const HEADINGS: usize>(at: Point, heading: Turn, scores: [i32; HEADINGS]
     Pose { at, heading: heading + Turn::from_ratio(degrees, BINS as u32), score }
 }
 
-fn beside(at: Point, offset: Way, step: Metres) -> Point {
-    let [x, y] = offset.map(|steps| step.saturating_mul_int(i64::from(steps)));
+fn aside(way: Way, step: Metres) -> [Metres; 2] {
+    way.map(|steps| step.saturating_mul_int(i64::from(steps)))
+}
+
+fn beside(at: Point, way: Way, step: Metres) -> Point {
+    let [x, y] = aside(way, step);
     Point::new(at.x.saturating_add(x), at.y.saturating_add(y))
 }
