@@ -3,9 +3,9 @@
 //! Needs the feature `draw`. Everything is clipped to the area given; colours are the caller's, so
 //! that the same code serves a monochrome and a colour display.
 
+use crate::base::num::{BINS, ChannelValue, Score, Turn};
+use crate::base::scan::{Hit, MAX_STEPS, Scan};
 use crate::descriptor::Descriptor;
-use crate::num::{BINS, Level, Score, Turn};
-use crate::scan::{Hit, MAX_STEPS, Scan};
 use embedded_graphics::Drawable as _;
 use embedded_graphics::Pixel;
 use embedded_graphics::draw_target::{DrawTarget, DrawTargetExt as _};
@@ -78,7 +78,8 @@ pub fn descriptor<D: DrawTarget>(
         let top_left = area.top_left + Point::new(0, (row * height) as i32);
         let chart = Rectangle::new(top_left, Size::new(area.size.width, height));
         // One pixel stays free between two charts.
-        let bar = |level: Level| (i64::from(height.saturating_sub(1)) * i64::from(level.to_bits())) >> 14;
+        let bar =
+            |level: ChannelValue| (i64::from(height.saturating_sub(1)) * i64::from(level.to_bits())) >> 14;
         bars(display, chart, |bin| channel.get(bin).map_or(0, |&level| bar(level)), color)?;
     }
     Ok(())

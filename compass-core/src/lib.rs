@@ -42,32 +42,13 @@
 #[cfg(test)]
 extern crate std;
 
-pub mod as_built;
-pub mod attitude;
-pub mod boundary;
-pub mod camera;
+pub mod base;
 pub mod descriptor;
 #[cfg(feature = "draw")]
 pub mod draw;
-mod harmonics;
-pub mod likelihood;
-pub mod locate;
-pub mod matching;
-pub mod num;
-mod order;
-pub mod plan;
-pub mod raster;
-pub mod scan;
-pub mod segments;
-pub mod shot;
-pub mod sight;
-pub mod signature;
-pub mod similarity;
-pub mod site;
-pub mod site_map;
-pub mod spectrum;
-pub mod track;
-pub mod windows;
+pub mod map;
+pub mod pose;
+pub mod vision;
 
 /// The README's example, compiled.
 #[cfg(doctest)]

@@ -3,13 +3,15 @@
 //! With `COMPASS_DATA` on floor 1 of the Hilti-Trimble data at full resolution, else on the bundled sample
 //! building. `cargo bench -p compass-host`.
 
+use compass_core::base::confidence::Confidence;
+use compass_core::base::num::Turn;
+use compass_core::base::scan::Scan;
 use compass_core::descriptor::Descriptor;
-use compass_core::likelihood::{Mode, PLANES, Rows, Sheet, Table, plane_of, refine, search};
-use compass_core::matching::{Board, Exact, Group, Index, Match, exhaustive, shortlist};
-use compass_core::num::Turn;
-use compass_core::scan::Scan;
-use compass_core::similarity::{Confidence, Query, Similarity, Weights};
-use compass_core::site_map::SiteMap;
+use compass_core::descriptor::matching::{Board, Exact, Group, Index, Match, exhaustive, shortlist};
+use compass_core::descriptor::similarity::{Query, Similarity, Weights};
+use compass_core::map::site_map::SiteMap;
+use compass_core::pose::evidence::EvidenceTable;
+use compass_core::pose::{FloorLayer, PLANES, Rows, ScoredPose, plane_of, refine, search};
 use compass_host::compare::interior_poses;
 use compass_host::noise::disturb;
 use compass_host::plan_import::{self, PlanOptions, PlanRaster};
@@ -174,8 +176,8 @@ fn score_all(
 }
 
 /// A table as a clear view writes it: 2.5 nat at the true rung, less beside it.
-fn evidence(scan: &Scan) -> Box<Table> {
-    let mut table = Box::<Table>::default();
+fn evidence(scan: &Scan) -> Box<EvidenceTable> {
+    let mut table = Box::<EvidenceTable>::default();
     for (bin, (&steps, &hit)) in scan.steps.iter().zip(&scan.hit).enumerate() {
         let seen = plane_of(steps, hit);
         for plane in 0..PLANES as u8 {
@@ -191,24 +193,24 @@ fn likelihoods(c: &mut Criterion) {
     let packed = PackedPlan::new(&raster).expect("a plan");
     let bytes = build(&raster, &packed, None, &BuildOptions::default()).expect("a map");
     let map = SiteMap::new(&bytes).expect("a map");
-    let sheet = Sheet { map, layer: 0, plan: packed.view(), floor: 0 };
+    let layer = FloorLayer { map, number: 0, plan: packed.view(), floor: 0 };
     let poses = interior_poses(&raster, 20, 3).expect("an interior");
     let (x, y, heading) =
         poses.into_iter().find(|&(x, y, h)| packed.scan([x, y], h).is_ok()).expect("a free pose");
     let table = evidence(&packed.scan([x, y], heading).expect("a free pose"));
-    let mut pool = vec![Mode::NONE; 512];
+    let mut pool = vec![ScoredPose::NONE; 512];
     let mut group = c.benchmark_group(format!("likelihood of {} candidates", map.len()));
     group.sample_size(20);
     let mut fine = Box::new(Rows::<360>::BLANK);
     fine.set(&table);
-    group.bench_function("360 headings", |b| b.iter(|| search(&fine, &[sheet], |_, _| true, &mut pool)));
+    group.bench_function("360 headings", |b| b.iter(|| search(&fine, &[layer], |_, _| true, &mut pool)));
     let mut coarse = Box::new(Rows::<90>::BLANK);
     coarse.set(&table);
-    group.bench_function("90 headings", |b| b.iter(|| search(&coarse, &[sheet], |_, _| true, &mut pool)));
-    let used = search(&fine, &[sheet], |_, _| true, &mut pool).min(24);
+    group.bench_function("90 headings", |b| b.iter(|| search(&coarse, &[layer], |_, _| true, &mut pool)));
+    let used = search(&fine, &[layer], |_, _| true, &mut pool).min(24);
     let modes = pool.get(..used).unwrap_or_default();
     group.bench_function(format!("{used} refinements"), |b| {
-        b.iter(|| modes.iter().map(|&mode| refine(&table, &sheet, mode).score).max());
+        b.iter(|| modes.iter().map(|&mode| refine(&table, &layer, mode).score).max());
     });
     group.finish();
 }

@@ -5,10 +5,11 @@
 
 use crate::output::{Decimal, write_file};
 use anyhow::Result;
-use compass_core::as_built::compare;
-use compass_core::likelihood::{Mode, Table};
-use compass_core::plan::Plan;
-use compass_core::scan::{STEPS_PER_METRE, Scan};
+use compass_core::base::scan::{STEPS_PER_METRE, Scan};
+use compass_core::map::plan::Plan;
+use compass_core::pose::ScoredPose;
+use compass_core::pose::evidence::EvidenceTable;
+use compass_core::pose::wall_check::compare;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -88,7 +89,7 @@ pub struct Walls {
 
 impl Walls {
     /// Takes in what was seen from a pose, with the plan as drawn. A pose in a wall says nothing.
-    pub fn add(&mut self, plan: &Plan<'_>, pose: &Mode, table: &Table) {
+    pub fn add(&mut self, plan: &Plan<'_>, pose: &ScoredPose, table: &EvidenceTable) {
         let mut scan = Scan::OPEN;
         if plan.scan(pose.at, pose.heading, &mut scan).is_err() {
             return;
@@ -156,8 +157,8 @@ mod tests {
     fn seen(drawn: &PackedPlan, built: &PlanRaster) -> Walls {
         let ([x, y], heading) = FRAME_POSE;
         let (at, heading_deg) = (point(x, y).unwrap(), turn(heading));
-        let pose = Mode { at, heading: heading_deg, ..Mode::NONE };
-        let mut table = Box::new(Table::EMPTY);
+        let pose = ScoredPose { at, heading: heading_deg, ..ScoredPose::NONE };
+        let mut table = Box::new(EvidenceTable::EMPTY);
         sharp(&PackedPlan::new(built).unwrap().scan([x, y], heading).unwrap(), &mut table);
         let mut walls = Walls::default();
         walls.add(&drawn.view(), &pose, &table);

@@ -11,7 +11,7 @@
 
 use std::path::{Path, PathBuf};
 
-use compass_core::camera::{CameraError, Eucm, Intrinsics, KannalaBrandt, Rig, View};
+use compass_core::vision::camera::{CameraError, Eucm, Intrinsics, KannalaBrandt, Rig, View};
 use nalgebra::{Matrix3, Matrix4, Vector3};
 use serde::Deserialize;
 use thiserror::Error;
@@ -114,7 +114,10 @@ impl CalibratedCamera {
     ///
     /// # Errors
     /// Parameters that the core refuses.
-    pub fn core(&self, (width, height): (u32, u32)) -> Result<compass_core::camera::Camera, CameraError> {
+    pub fn core(
+        &self,
+        (width, height): (u32, u32),
+    ) -> Result<compass_core::vision::camera::Camera, CameraError> {
         let (calibrated_width, calibrated_height) = self.resolution;
         let (sx, sy) = (ratio(width, calibrated_width), ratio(height, calibrated_height));
         core_camera(&self.camera.scaled(sx, sy))
@@ -135,8 +138,8 @@ impl CalibratedCamera {
 ///
 /// # Errors
 /// Parameters that the core refuses.
-pub fn core_camera(camera: &Camera) -> Result<compass_core::camera::Camera, CameraError> {
-    use compass_core::camera::{Camera as Core, Equidistant};
+pub fn core_camera(camera: &Camera) -> Result<compass_core::vision::camera::Camera, CameraError> {
+    use compass_core::vision::camera::{Camera as Core, Equidistant};
     let ([fx, fy], [cx, cy]) = (camera.focal, camera.centre);
     let i = Intrinsics { fx: fx as f32, fy: fy as f32, cx: cx as f32, cy: cy as f32 };
     Ok(match camera.model {

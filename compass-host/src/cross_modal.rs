@@ -1,9 +1,11 @@
 //! What cameras see against what a plan says, by hit type alone (paper: cross-modal check).
 
-use compass_core::descriptor::{Channel, Descriptor, hit_level};
-use compass_core::num::BINS;
-use compass_core::scan::{Hit, Scan};
-use compass_core::similarity::{Candidate, Confidence, Query, Similarity, Weights};
+use compass_core::base::confidence::Confidence;
+use compass_core::base::num::BINS;
+use compass_core::base::scan::{Hit, Scan};
+use compass_core::descriptor::channels::hit_level;
+use compass_core::descriptor::similarity::{Candidate, Query, Similarity, Weights};
+use compass_core::descriptor::{Channel, Descriptor};
 
 /// How well hit types seen from a pose agree with those cast from the plan there.
 #[derive(Debug, Clone)]

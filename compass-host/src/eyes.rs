@@ -2,14 +2,18 @@
 
 use crate::frame::{Frame, MAX_SEGMENTS, SegmentDetector};
 use crate::wide::wide;
-use compass_core::attitude::{self, Arc, Axes, Hint, LEAST_INLIERS, Vertical};
-use compass_core::boundary::{self, Ranges, Survey, Surveyor, height_rungs};
-use compass_core::camera::{Bearing, Rig, View};
-use compass_core::raster::{BitMask, GrayImage, RgbImage};
-use compass_core::segments::{Detected, Parameters, Segment, SegmentsError};
-use compass_core::windows::level::{
-    self, Buffers, Column, Edge, Finder, Level, MAX_BOXES, MAX_UPRIGHTS, Red, Resolution, Sighting, Upright,
-    Window, WindowBox,
+use compass_core::base::ladder::height_rungs;
+use compass_core::base::raster::{BitMask, GrayImage, RgbImage};
+use compass_core::vision::attitude::{self, Arc, Axes, LEAST_INLIERS, UpHint, Vertical};
+use compass_core::vision::boundary::{self, BoundaryEvidence, BoundaryFinder, RangeLikelihoods};
+use compass_core::vision::camera::{Bearing, Rig, View};
+use compass_core::vision::level_frame::LevelFrame;
+use compass_core::vision::panorama::Resolution;
+use compass_core::vision::sample::ExclusionMask;
+use compass_core::vision::segments::{Detected, Parameters, Segment, SegmentsError};
+use compass_core::vision::windows::{
+    self, Buffers, Column, Edge, MAX_BOXES, MAX_UPRIGHTS, Upright, Window, WindowBox, WindowEvidence,
+    WindowFinder,
 };
 use thiserror::Error;
 
@@ -104,7 +108,7 @@ pub struct Eyes {
     boxes: Vec<WindowBox>,
     windows: Vec<Window>,
     boundary: [Vec<u8>; 2],
-    ranges: Box<Ranges>,
+    ranges: Box<RangeLikelihoods>,
     /// How many uprights and boxes the last pair of frames left in the buffers.
     considered: [usize; 2],
 }
@@ -113,11 +117,11 @@ pub struct Eyes {
 #[derive(Debug)]
 pub struct Seen<'a> {
     /// Window or wall in every direction.
-    pub sighting: Sighting,
+    pub sighting: WindowEvidence,
     /// The windows, around the circle.
     pub windows: &'a [Window],
     /// The level frame they are in.
-    pub level: Level,
+    pub level: LevelFrame,
 }
 
 impl Eyes {
@@ -140,7 +144,7 @@ impl Eyes {
             boxes: vec![WindowBox::default(); 4 * MAX_BOXES],
             windows: vec![Window::default(); MAX_WINDOWS],
             boundary: [(); 2].map(|()| vec![0; boundary::CELLS]),
-            ranges: Box::new(Ranges::EMPTY),
+            ranges: Box::new(RangeLikelihoods::EMPTY),
             considered: [0; 2],
         }
     }
@@ -186,7 +190,7 @@ impl Eyes {
     /// # Errors
     /// [`EyesError::Up`].
     pub fn windows(&mut self, frames: [Option<&Frame>; 2], up: &Bearing) -> Result<Seen<'_>, EyesError> {
-        let level = Level::new(up).ok_or(EyesError::Up)?;
+        let level = LevelFrame::new(up).ok_or(EyesError::Up)?;
         let buffers = Buffers {
             gray: &mut self.gray,
             texture: &mut self.texture,
@@ -194,10 +198,11 @@ impl Eyes {
             uprights: &mut self.uprights,
             boxes: &mut self.boxes,
         };
-        let mut finder = Finder::new(buffers, self.resolution, &self.rig, level).ok_or(EyesError::Up)?;
+        let mut finder =
+            WindowFinder::new(buffers, self.resolution, &self.rig, level).ok_or(EyesError::Up)?;
         for (camera, (eye, frame)) in self.eyes.iter().zip(frames).enumerate() {
             let Some((eye, frame)) = eye.as_ref().zip(frame) else { continue };
-            let smoothed = level::wants_smoothed(&eye.view, self.resolution);
+            let smoothed = windows::wants_smoothed(&eye.view, self.resolution);
             let image = if smoothed { eye.detector.smoothed(&frame.gray()) } else { frame.gray() };
             add(&mut finder, camera, &image, red(frame), eye.detector.segments(&eye.detected));
         }
@@ -217,7 +222,7 @@ impl Eyes {
         frames: [Option<&Frame>; 2],
         up: &Bearing,
         height_m: Option<f32>,
-    ) -> Result<&Ranges, EyesError> {
+    ) -> Result<&RangeLikelihoods, EyesError> {
         let Self { rig, eyes, boundary, ranges, .. } = self;
         survey(rig, eyes, frames, up, boundary)?.likeliest(height_m.map(height_rungs), ranges);
         Ok(ranges)
@@ -227,7 +232,11 @@ impl Eyes {
     ///
     /// # Errors
     /// [`EyesError::Up`].
-    pub fn survey(&mut self, frames: [Option<&Frame>; 2], up: &Bearing) -> Result<Survey<'_>, EyesError> {
+    pub fn survey(
+        &mut self,
+        frames: [Option<&Frame>; 2],
+        up: &Bearing,
+    ) -> Result<BoundaryEvidence<'_>, EyesError> {
         survey(&self.rig, &self.eyes, frames, up, &mut self.boundary)
     }
 
@@ -236,7 +245,7 @@ impl Eyes {
     /// # Errors
     /// [`EyesError::NoVertical`] if too few segments agree; [`EyesError::NoSky`].
     pub fn vertical(&mut self, frames: [Option<&Frame>; 2], mount: Mount) -> Result<Vertical, EyesError> {
-        let hint = mount.top().map_or(Hint::Axis(-Bearing::y()), Hint::Up);
+        let hint = mount.top().map_or(UpHint::Axis(-Bearing::y()), UpHint::Up);
         let mut vertical = self.vertical_near(hint)?;
         if mount == Mount::Auto && !self.sky_is_up(frames, &vertical.up)? {
             vertical.up = -vertical.up;
@@ -248,7 +257,7 @@ impl Eyes {
     ///
     /// # Errors
     /// [`EyesError::NoVertical`] if too few segments agree.
-    pub fn vertical_near(&mut self, hint: Hint) -> Result<Vertical, EyesError> {
+    pub fn vertical_near(&mut self, hint: UpHint) -> Result<Vertical, EyesError> {
         self.collect_arcs();
         let parameters =
             attitude::Parameters { tolerance_deg: self.tolerance_deg(), ..attitude::Parameters::default() };
@@ -263,7 +272,7 @@ impl Eyes {
 
     /// The building's axes, from the arcs that the vertical was just sought among.
     #[must_use]
-    pub fn axes(&self, level: &Level) -> Option<Axes> {
+    pub fn axes(&self, level: &LevelFrame) -> Option<Axes> {
         attitude::building_axes(self.arcs(), level)
     }
 
@@ -291,7 +300,7 @@ impl Eyes {
         let third =
             |w: &Window| i64::from(w.columns[1] - w.columns[0]) * i64::from((w.rows[1] - w.rows[0]) / 3);
         let most = 255 * windows.iter().map(third).sum::<i64>();
-        let sky = level::sky_above(windows, &self.gray, self.resolution);
+        let sky = windows::sky_above(windows, &self.gray, self.resolution);
         if sky.unsigned_abs() * SKY_SHARE <= most.unsigned_abs() {
             return Err(EyesError::NoSky);
         }
@@ -309,7 +318,7 @@ impl Eyes {
     pub fn edges(&self) -> Vec<Edge> {
         let mut uprights = self.uprights[..self.considered[0]].to_vec();
         let mut edges = Vec::new();
-        level::visit_edges(&mut uprights, self.resolution, |edge| edges.push(*edge));
+        windows::visit_edges(&mut uprights, self.resolution, |edge| edges.push(*edge));
         edges
     }
 
@@ -323,19 +332,19 @@ impl Eyes {
 }
 
 wide! {
-    /// [`Finder::add`].
+    /// [`WindowFinder::add`].
     fn add(
-        finder: &mut Finder<'_, '_>,
+        finder: &mut WindowFinder<'_, '_>,
         camera: usize,
         image: &GrayImage<'_>,
-        red: Red<'_>,
+        red: ExclusionMask<'_>,
         segments: &[Segment],
     ) {
         finder.add(camera, image, red, segments);
     }
 
-    /// [`Finder::finish`].
-    fn finish(finder: Finder<'_, '_>, windows: &mut [Window]) -> Sighting {
+    /// [`WindowFinder::finish`].
+    fn finish(finder: WindowFinder<'_, '_>, windows: &mut [Window]) -> WindowEvidence {
         finder.finish(windows)
     }
 }
@@ -347,7 +356,7 @@ impl Eye {
             detector: SegmentDetector::new(width, height),
             mask: field_mask(view),
             view: *view,
-            parameters: level::segment_parameters(view),
+            parameters: windows::segment_parameters(view),
             detected: Detected { count: 0, truncated: false },
         }
     }
@@ -360,10 +369,10 @@ fn survey<'a>(
     frames: [Option<&Frame>; 2],
     up: &Bearing,
     [edges, support]: &'a mut [Vec<u8>; 2],
-) -> Result<Survey<'a>, EyesError> {
-    let level = Level::new(up).ok_or(EyesError::Up)?;
+) -> Result<BoundaryEvidence<'a>, EyesError> {
+    let level = LevelFrame::new(up).ok_or(EyesError::Up)?;
     let mut surveyor =
-        Surveyor::new(boundary::Buffers { edges, support }, rig, level).ok_or(EyesError::Up)?;
+        BoundaryFinder::new(boundary::Buffers { edges, support }, rig, level).ok_or(EyesError::Up)?;
     for (camera, (eye, frame)) in eyes.iter().zip(frames).enumerate() {
         let Some((eye, frame)) = eye.as_ref().zip(frame) else { continue };
         surveyor.add(camera, &eye.detector.smoothed(&frame.gray()), red(frame));
@@ -372,9 +381,9 @@ fn survey<'a>(
 }
 
 /// Where a frame is red, if it has colours.
-fn red(frame: &Frame) -> Red<'_> {
+fn red(frame: &Frame) -> ExclusionMask<'_> {
     let image = frame.rgb().and_then(|rgb| RgbImage::new(rgb, frame.width(), frame.height()).ok());
-    image.map_or(Red::Unknown, Red::Colours)
+    image.map_or(ExclusionMask::Unknown, ExclusionMask::Colours)
 }
 
 /// The pixels of a view within [`FIELD`] of its axis, [`RIM_PX`] left out: one bit each, as [`BitMask`] has them.

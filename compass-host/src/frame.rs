@@ -2,9 +2,9 @@
 
 use crate::image_file::{self, ImageFileError, Pixels, Samples};
 use crate::wide::wide;
-use compass_core::camera::Pixel;
-use compass_core::raster::{BitMask, GrayImage, is_red};
-use compass_core::segments::{self, Detected, Parameters, Segment, SegmentsError, Workspace};
+use compass_core::base::raster::{BitMask, GrayImage, is_red};
+use compass_core::vision::camera::Pixel;
+use compass_core::vision::segments::{self, Detected, Parameters, Segment, SegmentsError, Workspace};
 use std::path::Path;
 
 /// A decoded frame, top row first.

@@ -26,7 +26,7 @@ mod outside;
 #[cfg(test)]
 mod tests;
 
-use compass_core::raster::BitMask;
+use compass_core::base::raster::BitMask;
 use enclosure::RAYS;
 use grid::Grid;
 

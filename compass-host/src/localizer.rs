@@ -1,15 +1,16 @@
 //! Site maps with their index, ready to answer.
 
 use anyhow::{Result, anyhow};
+use compass_core::base::confidence::Confidence;
+use compass_core::base::num::Score;
+use compass_core::base::scan::Scan;
 use compass_core::descriptor::Descriptor;
-use compass_core::matching::{
+use compass_core::descriptor::matching::{
     Answer, Exact, Group, Index, MAX_ALTERNATIVES, Match, exhaustive, nearest_signatures,
 };
-use compass_core::num::Score;
-use compass_core::scan::Scan;
-use compass_core::signature::Signature;
-use compass_core::similarity::{Confidence, Query, Similarity, Weights};
-use compass_core::site_map::SiteMap;
+use compass_core::descriptor::signature::Signature;
+use compass_core::descriptor::similarity::{Query, Similarity, Weights};
+use compass_core::map::site_map::SiteMap;
 use rayon::prelude::*;
 use std::cmp::Reverse;
 

@@ -1,7 +1,7 @@
 //! Disturbing a scan, to try the matching on something less than perfect.
 
-use compass_core::num::BINS;
-use compass_core::scan::{Hit, MAX_STEPS, Scan};
+use compass_core::base::num::BINS;
+use compass_core::base::scan::{Hit, MAX_STEPS, Scan};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_xoshiro::Xoshiro256PlusPlus;
 

@@ -1,11 +1,11 @@
 //! The paper's window finder with its buffers, on one camera's frame as it is: the baseline.
 
 use crate::frame::Frame;
-use compass_core::raster::RgbImage;
-use compass_core::segments::Segment;
-use compass_core::windows::paper::{
-    self, Edge, Found, ImageWindow, PaperError, Parameters, Proposal, Row, Workspace,
+use compass_core::base::raster::RgbImage;
+use compass_core::descriptor::windows::{
+    self as paper, Edge, Found, ImageWindow, PaperError, Parameters, Proposal, Row, Workspace,
 };
+use compass_core::vision::segments::Segment;
 
 /// Most edges, proposals and windows of a frame.
 const MAX_EDGES: usize = 2048;

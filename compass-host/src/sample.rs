@@ -41,7 +41,7 @@ const PARTITION: f64 = 0.12;
 /// Thickness of glass, centred in its wall.
 const GLASS: f64 = 0.12;
 
-/// The sample floor as masks of [`compass_core::raster::BitMask`] layout.
+/// The sample floor as masks of [`compass_core::base::raster::BitMask`] layout.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SampleBuilding {
     /// Pixels along x (east).
@@ -302,7 +302,7 @@ pub fn image(building: &SampleBuilding) -> RgbImage {
 
 /// Bytes of one mask row.
 const fn row_bytes(width: u32) -> usize {
-    compass_core::raster::BitMask::row_bytes(width)
+    compass_core::base::raster::BitMask::row_bytes(width)
 }
 
 /// The pixel at column `x`, row `y`; beyond the data it is unset.
@@ -423,7 +423,7 @@ fn metres(pixel: u32) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use compass_core::raster::BitMask;
+    use compass_core::base::raster::BitMask;
 
     fn demo_pixel() -> (u32, u32) {
         let ([x, y], _) = DEMO_POSE;

@@ -3,10 +3,11 @@
 use crate::interior::{self, InteriorOptions};
 use crate::plan_import::PlanRaster;
 use anyhow::{Context as _, Result, anyhow, bail};
-use compass_core::num::{Metres, Point, Turn};
-use compass_core::plan::{Frame, MarchError, Plan, pack, packed_len};
-use compass_core::scan::Scan;
-use compass_core::site_map::{Header, Layer, Sink, Writer};
+use compass_core::base::num::{Metres, Point, Turn};
+use compass_core::base::scan::Scan;
+use compass_core::descriptor::layer_of;
+use compass_core::map::plan::{Frame, MarchError, Plan, pack, packed_len};
+use compass_core::map::site_map::{Header, Layer, Sink, Writer};
 use indicatif::{ProgressBar, ProgressStyle};
 use rayon::prelude::*;
 
@@ -146,7 +147,7 @@ fn cast(plans: &[Plan<'_>], cells: &[[u16; 2]]) -> Vec<Layer> {
         // not, its scan would be open all around.
         let _ = plan.scan(plan.cell_centre(column, row), Turn::ZERO, &mut scan);
         progress.inc(1);
-        Layer::new(&scan)
+        layer_of(&scan)
     };
     let layers =
         cells.par_iter().flat_map_iter(|&cell| plans.iter().map(move |plan| layer(plan, cell))).collect();

@@ -3,8 +3,8 @@
 use crate::plan_import::PlanRaster;
 use crate::site::{BuildOptions, Bytes, PackedPlan, build};
 use anyhow::{Context as _, Result, anyhow};
-use compass_core::site::{Floor, Site, SiteError, Writer};
-use compass_core::site_map::SiteMap;
+use compass_core::map::site::{Floor, Site, SiteError, Writer};
+use compass_core::map::site_map::SiteMap;
 use std::path::Path;
 
 /// The bytes of a site file, or of a plain site map, which counts as one floor without name and plan.
@@ -15,7 +15,7 @@ pub struct SiteFile {
 
 /// A floor of a file.
 #[derive(Debug, Clone, Copy)]
-pub struct Storey<'a> {
+pub struct SiteFloor<'a> {
     /// Its candidates.
     pub map: SiteMap<'a>,
     /// All of it; a plain site map is none.
@@ -41,15 +41,19 @@ impl SiteFile {
 
     /// The floors in the order of the file; there is at least one.
     #[must_use]
-    pub fn storeys(&self) -> Vec<Storey<'_>> {
+    pub fn storeys(&self) -> Vec<SiteFloor<'_>> {
         match Site::new(&self.bytes) {
-            Ok(site) => site.floors().map(|floor| Storey { map: *floor.map(), floor: Some(floor) }).collect(),
-            Err(_) => SiteMap::new(&self.bytes).map(|map| Storey { map, floor: None }).into_iter().collect(),
+            Ok(site) => {
+                site.floors().map(|floor| SiteFloor { map: *floor.map(), floor: Some(floor) }).collect()
+            }
+            Err(_) => {
+                SiteMap::new(&self.bytes).map(|map| SiteFloor { map, floor: None }).into_iter().collect()
+            }
         }
     }
 }
 
-impl<'a> Storey<'a> {
+impl<'a> SiteFloor<'a> {
     /// Its name, where it has one.
     #[must_use]
     pub fn name(&self) -> Option<&'a str> {

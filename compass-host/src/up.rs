@@ -3,8 +3,8 @@
 use crate::dataset::imu::Gravity;
 use crate::eyes::{Eyes, EyesError, Mount};
 use crate::frame::Frame;
-use compass_core::attitude::{Hint, Vertical};
-use compass_core::camera::Bearing;
+use compass_core::vision::attitude::{UpHint, Vertical};
+use compass_core::vision::camera::Bearing;
 use serde::{Deserialize, Serialize};
 
 /// Largest angle between the up vectors of image and IMU that are both right, degrees.
@@ -112,8 +112,8 @@ impl UpSources {
 /// The vertical that the image has near this direction, or if there is none, near its own top or bottom: so that an IMU
 /// that is wrong by much is found out.
 fn near(eyes: &mut Eyes, up: Bearing) -> Result<Vertical, EyesError> {
-    eyes.vertical_near(Hint::Up(up)).or_else(|_| {
-        let mut vertical = eyes.vertical_near(Hint::Axis(Bearing::y()))?;
+    eyes.vertical_near(UpHint::Up(up)).or_else(|_| {
+        let mut vertical = eyes.vertical_near(UpHint::Axis(Bearing::y()))?;
         if vertical.up.dot(&up) < 0.0 {
             vertical.up = -vertical.up;
         }

@@ -2,7 +2,7 @@
 
 pub mod bag;
 
-use compass_core::site_map::SiteMap;
+use compass_core::map::site_map::SiteMap;
 use compass_host::calibration::{Calibration, NOMINAL_YAML};
 use compass_host::dataset::tum::Pose;
 use compass_host::plan_import::PlanRaster;

@@ -1,8 +1,8 @@
 //! Bad input, from end to end: exit status 2, one line on standard error that names the thing, nothing
 //! left behind.
 
-use compass_core::site::Site;
-use compass_core::site_map::SiteMap;
+use compass_core::map::site::Site;
+use compass_core::map::site_map::SiteMap;
 use compass_host::calibration::NOMINAL_YAML;
 use compass_host::site_file::SiteFile;
 use compass_tests::{Folder, POSE, Ran, sample_map, sample_site};

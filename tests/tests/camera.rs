@@ -1,7 +1,7 @@
 //! Camera models against `OpenCV` and against real calibrations; calibrations that make no sense, from the
 //! command line.
 
-use compass_core::camera::{Bearing, Camera, Intrinsics, KannalaBrandt, ROUND_TRIP_PX};
+use compass_core::vision::camera::{Bearing, Camera, Intrinsics, KannalaBrandt, ROUND_TRIP_PX};
 use compass_host::calibration::Calibration;
 use compass_host::compare::camera::stages;
 use compass_tests::{Folder, number, recordings};

@@ -1,8 +1,8 @@
 //! The commands from end to end, as a script sees them, on the bundled sample building.
 
-use compass_core::camera::Bearing;
-use compass_core::raster::is_red;
-use compass_core::shot::Shot;
+use compass_core::base::raster::is_red;
+use compass_core::vision::camera::Bearing;
+use compass_core::vision::shot::Shot;
 use compass_host::calibration::Calibration;
 use compass_host::dataset::tum::Pose;
 use compass_host::frame::Frame;
@@ -132,7 +132,8 @@ fn a_plan_can_be_named_in_every_way() {
 
     // A pair of rasters without colour: everything, and the walls alone.
     let building = sample::building();
-    let mask = |bits| compass_core::raster::BitMask::new(bits, building.width, building.height).unwrap();
+    let mask =
+        |bits| compass_core::base::raster::BitMask::new(bits, building.width, building.height).unwrap();
     let (walls, windows) = (mask(&building.walls), mask(&building.windows));
     let draw = |name: &str, glazing: bool| {
         let dark = |x, y| walls.get(x, y) || glazing && windows.get(x, y);
@@ -209,8 +210,8 @@ fn a_map_is_built_and_described() {
 #[test]
 fn candidates_stand_inside_and_clear_of_everything() {
     let (raster, _) = compass_tests::sample_plan();
-    let map = compass_core::site_map::SiteMap::new(sample_map()).unwrap();
-    let mut scan = compass_core::scan::Scan::OPEN;
+    let map = compass_core::map::site_map::SiteMap::new(sample_map()).unwrap();
+    let mut scan = compass_core::base::scan::Scan::OPEN;
     for (index, record) in map.iter().enumerate() {
         let [column, row] = record.cell();
         assert!(!raster.occupied(column.into(), row.into()), "candidate {index}");
@@ -218,7 +219,7 @@ fn candidates_stand_inside_and_clear_of_everything() {
         let nearest = scan.steps.iter().min().unwrap();
         assert!(*nearest >= 9, "candidate {index} is {nearest} steps from something");
         // The facade is closed: from inside, no ray leaves the building.
-        let open = scan.count(compass_core::scan::Hit::Open);
+        let open = scan.count(compass_core::base::scan::Hit::Open);
         assert_eq!(open, 0, "candidate {index} at {:?}", map.position(index));
     }
 }

@@ -2,14 +2,15 @@
 //!
 //! `REGENERATE=1 cargo test -p compass-tests --test displays` rewrites them.
 
+use compass_core::base::confidence::Confidence;
+use compass_core::base::num::{BINS, Metres, Point as Place, Score, Turn};
+use compass_core::base::scan::{STEPS_PER_METRE, Scan};
 use compass_core::descriptor::Descriptor;
+use compass_core::descriptor::matching::Board;
+use compass_core::descriptor::similarity::{Query, Similarity, Weights};
 use compass_core::draw::{self, HitColors};
-use compass_core::matching::Board;
-use compass_core::num::{BINS, Metres, Point as Place, Score, Turn};
-use compass_core::plan::Plan;
-use compass_core::scan::{STEPS_PER_METRE, Scan};
-use compass_core::similarity::{Confidence, Query, Similarity, Weights};
-use compass_core::site_map::SiteMap;
+use compass_core::map::plan::Plan;
+use compass_core::map::site_map::SiteMap;
 use embedded_graphics::draw_target::DrawTarget;
 use embedded_graphics::framebuffer::{Framebuffer, buffer_size};
 use embedded_graphics::geometry::{OriginDimensions as _, Point, Size};

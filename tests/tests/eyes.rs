@@ -82,7 +82,7 @@ fn agreement(result: &Value, index: usize) -> [usize; 4] {
     let mut counts = [0; 4];
     for (seen, truth) in hits(result).into_iter().zip(scan.hit) {
         let Some(seen) = seen else { continue };
-        let (seen, truth) = (seen == "window", truth == compass_core::scan::Hit::Window);
+        let (seen, truth) = (seen == "window", truth == compass_core::base::scan::Hit::Window);
         for (count, one) in counts.iter_mut().zip([seen == truth, true, truth, seen]) {
             *count += usize::from(one);
         }

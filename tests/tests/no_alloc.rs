@@ -1,6 +1,6 @@
 //! The eyes allocate nothing per frame: after a first pair of frames all buffers are there.
 
-use compass_core::camera::Bearing;
+use compass_core::vision::camera::Bearing;
 use compass_host::calibration::Calibration;
 use compass_host::dataset::tum::Pose;
 use compass_host::eyes::{Eyes, Mount};

@@ -2,12 +2,13 @@
 //!
 //! Needs the recordings (`COMPASS_DATA`), but for the hit-type counts.
 
+use compass_core::base::confidence::Confidence;
+use compass_core::base::num::BINS;
+use compass_core::base::scan::{Hit, Scan};
+use compass_core::descriptor::similarity::{Candidate, Query, Similarity, Weights};
+use compass_core::descriptor::spectrum::Correlator;
 use compass_core::descriptor::{Channel, Descriptor};
-use compass_core::num::BINS;
-use compass_core::scan::{Hit, Scan};
-use compass_core::similarity::{Candidate, Confidence, Query, Similarity, Weights};
-use compass_core::site_map::SiteMap;
-use compass_core::spectrum::Correlator;
+use compass_core::map::site_map::SiteMap;
 use compass_host::compare::{compare, interior_poses};
 use compass_host::localizer::{Localizer, MatchOptions};
 use compass_host::plan_import::{PlanOptions, PlanRaster, load};

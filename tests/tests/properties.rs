@@ -1,12 +1,13 @@
 //! Properties of matching over arbitrary scans, and the exact search against scoring everything.
 
+use compass_core::base::confidence::Confidence;
+use compass_core::base::num::{BINS, ChannelValue, Score};
+use compass_core::base::scan::{Hit, MAX_STEPS, Scan};
 use compass_core::descriptor::Descriptor;
-use compass_core::matching::Match;
-use compass_core::num::{BINS, Level, Score};
-use compass_core::scan::{Hit, MAX_STEPS, Scan};
-use compass_core::similarity::{Candidate, Confidence, Peak, Query, Similarity, Weights};
-use compass_core::site_map::SiteMap;
-use compass_core::spectrum::Correlator;
+use compass_core::descriptor::matching::Match;
+use compass_core::descriptor::similarity::{Candidate, Peak, Query, Similarity, Weights};
+use compass_core::descriptor::spectrum::Correlator;
+use compass_core::map::site_map::SiteMap;
 use compass_host::compare::interior_poses;
 use compass_host::localizer::{Localizer, MatchOptions};
 use compass_host::noise::disturb;
@@ -306,7 +307,7 @@ proptest! {
         prop_assert_eq!(peak(&clean, &candidate), peak(&masked, &candidate));
         // A bin that is trusted does count.
         let seen = (from + length) % BINS;
-        levels.levels[1][seen] = Level::from_num(1.5);
+        levels.levels[1][seen] = ChannelValue::from_num(1.5);
         let changed = prepared(&levels);
         prop_assert_ne!(changed.channel(1), clean.channel(1));
     }

@@ -8,14 +8,14 @@
 //! - *sure*: both layers meet something at one range (within 5 %) of 1 to 8 m. Nothing is known of the answer here, and
 //!   what hides the wall counts as an error.
 
-use compass_core::boundary::height_rungs;
-use compass_core::camera::Bearing;
+use compass_core::base::ladder::height_rungs;
+use compass_core::base::scan::{Hit, Scan};
 use compass_core::descriptor::Descriptor;
-use compass_core::likelihood::{Rows, Table};
-use compass_core::scan::{Hit, Scan};
-use compass_core::sight;
-use compass_core::similarity::{Candidate, Query, Similarity, Weights};
-use compass_core::windows::level::Sighting;
+use compass_core::descriptor::similarity::{Candidate, Query, Similarity, Weights};
+use compass_core::pose::Rows;
+use compass_core::pose::evidence::{EvidenceTable, weigh};
+use compass_core::vision::camera::Bearing;
+use compass_core::vision::windows::WindowEvidence;
 use compass_host::calibration::Calibration;
 use compass_host::dataset::tum::{self, Pose};
 use compass_host::eyes::Eyes;
@@ -62,8 +62,8 @@ fn layers(data: &Path) -> [PackedPlan; 2] {
 struct Look {
     pose: Pose,
     seen: Surroundings,
-    sighting: Sighting,
-    evidence: Box<Table>,
+    sighting: WindowEvidence,
+    evidence: Box<EvidenceTable>,
     /// Scans of the layers at the true pose, and at the true position with heading 0; none inside a wall.
     ahead: [Option<Scan>; 2],
     east: [Option<Scan>; 2],
@@ -91,8 +91,8 @@ fn looks(data: &Path) -> Vec<Look> {
         eyes.detect(frames).unwrap();
         let sighting = eyes.windows(frames, &up).unwrap().sighting;
         let ranges = eyes.ranges(frames, &up, Some(height_m)).unwrap();
-        let mut evidence = Box::new(Table::EMPTY);
-        sight::evidence(ranges, height_rungs(height_m), &sighting, &mut evidence);
+        let mut evidence = Box::new(EvidenceTable::EMPTY);
+        weigh(ranges, height_rungs(height_m), &sighting, &mut evidence);
         let seen = Surroundings::new(ranges, &sighting, Some(height_m));
         let at = [pose.position.x, pose.position.y];
         let scans = |heading: f64| layers.each_ref().map(|layer| layer.scan(at, heading).ok());

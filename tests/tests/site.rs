@@ -1,16 +1,16 @@
 //! Site files from end to end: what is built, joined, told and searched.
 
-use compass_core::num::Turn;
-use compass_core::scan::Scan;
-use compass_core::site::{Floor, Site};
-use compass_core::site_map::{PackedScan, SiteMap};
+use compass_core::base::num::Turn;
+use compass_core::base::scan::Scan;
+use compass_core::map::site::{Floor, Site};
+use compass_core::map::site_map::{PackedScan, SiteMap};
 use compass_tests::{Folder, POSE, compass, number, sample_map, sample_site};
 use image::{GrayImage, Luma};
 use serde_json::Value;
 
 /// The scans of a layer, by candidate.
 fn scans(map: &SiteMap<'_>, layer: usize) -> Vec<Scan> {
-    let unpack = |record: compass_core::site_map::Record<'_>| {
+    let unpack = |record: compass_core::map::site_map::Record<'_>| {
         let mut scan = Scan::OPEN;
         record.layer(layer).unwrap().scan(&mut scan);
         scan

@@ -3,8 +3,8 @@
 //! `targets/golden` bakes `vectors/` into its images. `REGENERATE=1 cargo test -p compass-tests --test vectors`
 //! rewrites the files.
 
-use compass_core::plan::Plan;
-use compass_core::site_map::SiteMap;
+use compass_core::map::plan::Plan;
+use compass_core::map::site_map::SiteMap;
 use compass_host::calibration::Calibration;
 use compass_host::dataset::tum::Pose;
 use compass_host::frame::Frame;

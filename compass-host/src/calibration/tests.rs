@@ -215,7 +215,7 @@ fn three_decimals_make_a_rotation() {
 fn the_nominal_rig_looks_both_ways() {
     let rig = Calibration::nominal().rig([Some((736, 720)), Some((736, 720))]).unwrap();
     let [front, back] = [0, 1].map(|number| *rig.view(number).unwrap());
-    let axis = back.rotation * compass_core::camera::Bearing::z();
+    let axis = back.rotation * compass_core::vision::camera::Bearing::z();
     assert!(axis.z < -0.999 && (back.position.norm() - 0.038).abs() < 1e-3, "{axis} {}", back.position);
     assert!(front.camera.max_angle() > 96f32.to_radians() && back.camera.max_angle() > 96f32.to_radians());
 }

@@ -7,8 +7,8 @@ use crate::eyes::{Eyes, EyesError, Mount};
 use crate::frame::Frame;
 use crate::up::{UpFrom, UpSources};
 use anyhow::{Result, bail};
-use compass_core::boundary::HEIGHTS_M;
-use compass_core::camera::{Bearing, Rig};
+use compass_core::base::ladder::HEIGHTS_M;
+use compass_core::vision::camera::{Bearing, Rig};
 use std::path::PathBuf;
 
 /// A calibration and the frames of one or two cameras.

@@ -6,7 +6,7 @@ use crate::calibration::{CalibratedCamera, Calibration};
 use crate::compare::{Stage, camera, compare, segments, sight};
 use crate::output::{Decimal, JsonOption};
 use anyhow::{Context as _, Result};
-use compass_core::camera::Camera;
+use compass_core::vision::camera::Camera;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::PathBuf;

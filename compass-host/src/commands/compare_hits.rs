@@ -7,9 +7,9 @@ use crate::cross_modal::CrossModal;
 use crate::figures::{self, Curve, HitComparison, Shifts};
 use crate::output::{Decimal, JsonOption, create_dir};
 use anyhow::{Context as _, Result};
-use compass_core::num::BINS;
-use compass_core::scan::{Hit, Scan};
-use compass_core::windows::level::Sighting;
+use compass_core::base::num::BINS;
+use compass_core::base::scan::{Hit, Scan};
+use compass_core::vision::windows::WindowEvidence;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -82,7 +82,7 @@ impl CompareHits {
         let seen = cameras.eyes.windows(frames, &up).with_context(|| cameras.name.clone())?;
         let of_camera = |camera| seen.windows.iter().filter(|w| w.camera == camera).count();
         let windows_per_camera = [0, 1].map(of_camera);
-        let Sighting { hit, confidence, .. } = &seen.sighting;
+        let WindowEvidence { hit, confidence, .. } = &seen.sighting;
         let compared = CrossModal::new(hit, confidence, &scan);
         if let Some(dir) = &self.figures {
             draw(dir, hit, &scan, &compared)?;

@@ -8,13 +8,14 @@ use crate::output::create_dir;
 use crate::paper_finder::PaperFinder;
 use crate::surroundings::Surroundings;
 use anyhow::Result;
-use compass_core::camera::{Pixel, View};
+use compass_core::base::raster::GrayImage;
+use compass_core::base::scan::{STEPS_PER_METRE, Scan};
 use compass_core::descriptor::Descriptor;
-use compass_core::raster::GrayImage;
-use compass_core::scan::{STEPS_PER_METRE, Scan};
-use compass_core::segments::Segment;
-use compass_core::windows::level::{Level, NOMINAL_RANGE_M, Sighting, Window};
-use compass_core::windows::paper::{ImageWindow, Rejection};
+use compass_core::descriptor::windows::{ImageWindow, Rejection};
+use compass_core::vision::camera::{Pixel, View};
+use compass_core::vision::level_frame::{LevelFrame, NOMINAL_RANGE_M};
+use compass_core::vision::segments::Segment;
+use compass_core::vision::windows::{Window, WindowEvidence};
 use plotters::style::RGBColor;
 use std::path::Path;
 
@@ -34,9 +35,9 @@ const YELLOW: RGBColor = RGBColor(0xff, 0xd0, 0x00);
 pub(super) struct Found<'a> {
     pub(super) frames: [Option<&'a Frame>; 2],
     pub(super) eyes: &'a Eyes,
-    pub(super) level: Level,
+    pub(super) level: LevelFrame,
     pub(super) windows: &'a [Window],
-    pub(super) sighting: &'a Sighting,
+    pub(super) sighting: &'a WindowEvidence,
     /// What it comes to in metres, if that was measured.
     pub(super) surroundings: Option<&'a Surroundings>,
     /// What the plan says, if there is one.

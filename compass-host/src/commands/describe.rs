@@ -7,8 +7,8 @@ use crate::compare::float_levels;
 use crate::output::{Decimal, JsonOption, decimals};
 use crate::reference;
 use anyhow::{Context as _, Result, anyhow};
+use compass_core::base::scan::Hit;
 use compass_core::descriptor::Descriptor;
-use compass_core::scan::Hit;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -48,7 +48,7 @@ pub(super) struct Described {
 
 impl Described {
     /// From a scan of the core.
-    pub(super) fn fixed(scan: &compass_core::scan::Scan) -> Self {
+    pub(super) fn fixed(scan: &compass_core::base::scan::Scan) -> Self {
         Self {
             range_m: scan.steps.map(|s| f64::from(s) * reference::march::STEP_M),
             hit: scan.hit,

@@ -13,9 +13,9 @@ use crate::evaluate::{Found, Job, Journal, Judge, Misses, PAPER, Record, Row, lo
 use crate::eyes::Mount;
 use crate::locator::Locator;
 use crate::output::{Decimal, JsonOption, create_dir, write_file};
-use crate::site_file::{SiteFile, Storey};
+use crate::site_file::{SiteFile, SiteFloor};
 use anyhow::{Context as _, Result, bail};
-use compass_core::track::Estimate;
+use compass_core::pose::track::Estimate;
 use std::collections::{BTreeMap, HashMap};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -108,7 +108,7 @@ impl Evaluate {
             self.jobs.or_else(|| std::thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
         let records = localize(&job, shots, &journal, jobs)?;
         let followed = sequence::follow(&job, &records, &mut locator, odometry.as_ref())?;
-        let judge = Judge { sheets: locator.sheets(), floor };
+        let judge = Judge { layers: locator.layers(), floor };
         let finished: Vec<_> = records
             .iter()
             .zip(&followed.estimates)
@@ -119,9 +119,9 @@ impl Evaluate {
     }
 
     /// The number of the floor that the truth lies on.
-    fn floor(&self, storeys: &[Storey<'_>]) -> Result<usize> {
+    fn floor(&self, storeys: &[SiteFloor<'_>]) -> Result<usize> {
         let map = self.map.display();
-        let names: Vec<&str> = storeys.iter().filter_map(Storey::name).collect();
+        let names: Vec<&str> = storeys.iter().filter_map(SiteFloor::name).collect();
         match &self.floor {
             Some(wanted) => names
                 .iter()
@@ -288,12 +288,12 @@ impl<'a> Finished<'a> {
         }
     }
 
-    fn output<'b>(&'b self, storeys: &[Storey<'b>]) -> Frame<'b> {
+    fn output<'b>(&'b self, storeys: &[SiteFloor<'b>]) -> Frame<'b> {
         let placed = |found: Option<&Found>, row: usize| {
             found.map(|found| {
-                let sheet = self.judge.sheets.get(usize::from(found.sheet));
-                let storey = sheet.and_then(|sheet| storeys.get(usize::from(sheet.floor)));
-                let name = storey.and_then(Storey::name).filter(|_| storeys.len() > 1);
+                let layer = self.judge.layers.get(usize::from(found.layer));
+                let storey = layer.and_then(|layer| storeys.get(usize::from(layer.floor)));
+                let name = storey.and_then(SiteFloor::name).filter(|_| storeys.len() > 1);
                 Placed::new(found, name, self.truth.map(|_| self.misses[row]))
             })
         };

@@ -7,9 +7,9 @@ use super::cameras::{CameraArgs, Cameras};
 use crate::output::{Decimal, JsonOption, decimals};
 use crate::up::UpFrom;
 use anyhow::{Context as _, Result, bail};
-use compass_core::attitude::{Axes, Vertical};
-use compass_core::camera::Bearing;
-use compass_core::windows::level::Level;
+use compass_core::vision::attitude::{Axes, Vertical};
+use compass_core::vision::camera::Bearing;
+use compass_core::vision::level_frame::LevelFrame;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -114,7 +114,7 @@ impl Gravity {
                 (Some(vertical), vertical.up)
             }
         };
-        let level = Level::new(&up);
+        let level = LevelFrame::new(&up);
         let axes = level.as_ref().and_then(|level| Some((cameras.eyes.axes(level)?, level)));
         let output = output(&cameras, up, vertical.as_ref(), axes, milliseconds);
         if let (Some(dir), Some(level)) = (&self.debug_dir, &level) {
@@ -131,12 +131,12 @@ fn output(
     cameras: &Cameras,
     up: Bearing,
     vertical: Option<&Vertical>,
-    axes: Option<(Axes, &Level)>,
+    axes: Option<(Axes, &LevelFrame)>,
     milliseconds: Decimal,
 ) -> Output {
     let nothing = Vertical { up, inliers: [0; 2], support: 0.0, runner_up: 0.0, residual_deg: 0.0 };
     let agreement_deg = vertical.and_then(|vertical| cameras.up.sources.apart_deg(vertical)).map(Decimal);
-    let axis = |(axes, level): (Axes, &Level)| {
+    let axis = |(axes, level): (Axes, &LevelFrame)| {
         let [first, second] = axes.directions(level);
         let axis = |index: usize, direction: Bearing| Axis {
             azimuth_deg: number(axes.azimuth_deg + 90.0 * index as f32),

@@ -8,11 +8,11 @@ use crate::localizer::{MatchOptions, SiteAnswer, SiteLocalizer};
 use crate::noise::disturb;
 use crate::output::{Decimal, JsonOption};
 use crate::site::wrapped;
-use crate::site_file::{SiteFile, Storey};
+use crate::site_file::{SiteFile, SiteFloor};
 use anyhow::{Context as _, Result, bail};
-use compass_core::matching::Match;
-use compass_core::similarity::{Similarity, Weights};
-use compass_core::site_map::SiteMap;
+use compass_core::descriptor::matching::Match;
+use compass_core::descriptor::similarity::{Similarity, Weights};
+use compass_core::map::site_map::SiteMap;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -140,7 +140,7 @@ impl<'a> Pose<'a> {
 }
 
 /// The matches as poses, with their floor where there are several.
-fn poses<'a>(answer: &SiteAnswer, storeys: &[Storey<'a>]) -> Vec<Pose<'a>> {
+fn poses<'a>(answer: &SiteAnswer, storeys: &[SiteFloor<'a>]) -> Vec<Pose<'a>> {
     let pose = |(floor, found): &(usize, Match)| {
         let storey = storeys.get(*floor)?;
         Some(Pose::of(found, &storey.map, storey.name().filter(|_| storeys.len() > 1)))

@@ -6,7 +6,7 @@ use crate::figures::{self, MapPose, PlanPicture, Scores, SiteMapPicture};
 use crate::output::create_dir;
 use crate::plan_import::PlanRaster;
 use anyhow::Result;
-use compass_core::site_map::SiteMap;
+use compass_core::map::site_map::SiteMap;
 use std::path::Path;
 
 /// Calls `draw` with the plan as the figures want it.

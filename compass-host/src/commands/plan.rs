@@ -4,7 +4,7 @@ use crate::plan_import::structure::keep_structure;
 use crate::plan_import::{self, PlanOptions, PlanRaster};
 use crate::site::PackedPlan;
 use anyhow::{Context as _, Result, bail};
-use compass_core::scan::Scan;
+use compass_core::base::scan::Scan;
 use std::path::{Path, PathBuf};
 
 /// How a plan file is read.

@@ -11,10 +11,11 @@ use crate::output::{Decimal, JsonOption, decimals};
 use crate::site::wrapped;
 use crate::surroundings::Surroundings;
 use anyhow::{Context as _, Result};
-use compass_core::camera::{Pixel, View};
 use compass_core::descriptor::Descriptor;
-use compass_core::windows::level::{Level, NOMINAL_RANGE_M, Window, image_box};
-use compass_core::windows::paper::ImageWindow;
+use compass_core::descriptor::windows::ImageWindow;
+use compass_core::vision::camera::{Pixel, View};
+use compass_core::vision::level_frame::{LevelFrame, NOMINAL_RANGE_M};
+use compass_core::vision::windows::{Window, image_box};
 use serde::Serialize;
 use std::fmt;
 use std::fmt::Write as _;
@@ -50,7 +51,7 @@ pub(super) struct WindowOutput {
 }
 
 impl WindowOutput {
-    pub(super) fn new(window: &Window, eyes: &Eyes, level: &Level) -> Self {
+    pub(super) fn new(window: &Window, eyes: &Eyes, level: &LevelFrame) -> Self {
         let resolution = eyes.resolution();
         let degrees = |pair: [f32; 2]| pair.map(|v| Decimal(f64::from(v)));
         Self {
@@ -67,7 +68,12 @@ impl WindowOutput {
 impl WindowOutput {
     /// A window of the paper's finder: its azimuths are those of the middles of its sides, its elevations those of the
     /// middles of top and bottom.
-    pub(super) fn in_image(window: &ImageWindow, camera: usize, view: &View, level: &Level) -> Option<Self> {
+    pub(super) fn in_image(
+        window: &ImageWindow,
+        camera: usize,
+        view: &View,
+        level: &LevelFrame,
+    ) -> Option<Self> {
         let [x0, y0, x1, y1] = [window.x0, window.y0, window.x1, window.y1].map(f32::from);
         let (x, y) = (x0.midpoint(x1), y0.midpoint(y1));
         let direction = |x: f32, y: f32| {

@@ -4,7 +4,7 @@ use super::{Outcome, debug};
 use crate::frame::{Frame, SegmentDetector};
 use crate::output::{Decimal, JsonOption, write_file};
 use anyhow::{Context as _, Result};
-use compass_core::segments::{Detected, Parameters, Segment};
+use compass_core::vision::segments::{Detected, Parameters, Segment};
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::PathBuf;

@@ -9,7 +9,7 @@ use crate::plan_import::PlanRaster;
 use crate::simulate::dataset::{self, Format};
 use crate::simulate::{Renderer, Scene, SceneOptions};
 use anyhow::{Result, bail};
-use compass_core::camera::Rig;
+use compass_core::vision::camera::Rig;
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::PathBuf;

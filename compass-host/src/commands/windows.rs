@@ -10,8 +10,8 @@ use crate::frame::{Frame, SegmentDetector};
 use crate::output::JsonOption;
 use crate::paper_finder::PaperFinder;
 use anyhow::{Context as _, Result};
-use compass_core::segments::Parameters;
-use compass_core::windows::level::Level;
+use compass_core::vision::level_frame::LevelFrame;
+use compass_core::vision::segments::Parameters;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -124,7 +124,8 @@ impl Windows {
         }
         let frames = [0, 1].map(|camera| Some(frame).filter(|_| camera == self.camera.number()));
         eyes.detect(frames).with_context(name)?;
-        let level = Level::new(&self.up.resolve(eyes, frames).with_context(name)?).ok_or(EyesError::Up)?;
+        let level =
+            LevelFrame::new(&self.up.resolve(eyes, frames).with_context(name)?).ok_or(EyesError::Up)?;
         let view = eyes.rig().view(camera).context("the calibration has no such camera")?;
         let output = |w| WindowOutput::in_image(w, camera, view, &level);
         Ok(Output {

@@ -2,7 +2,7 @@
 
 use super::Stage;
 use crate::reference::camera::Camera as Reference;
-use compass_core::camera::{
+use compass_core::vision::camera::{
     BEARING_ERROR, Bearing, Camera, Eucm, Intrinsics, KannalaBrandt, PROJECTION_ERROR_PX, Pixel,
     ROUND_TRIP_PX,
 };
@@ -125,7 +125,7 @@ fn between(found: &Bearing, exact: [f64; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use compass_core::camera::Equidistant;
+    use compass_core::vision::camera::Equidistant;
     use proptest::prelude::*;
 
     #[test]

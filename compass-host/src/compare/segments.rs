@@ -8,7 +8,7 @@ use crate::plan_import::PlanRaster;
 use crate::reference::segments as reference;
 use crate::simulate::{Renderer, Scene, SceneOptions};
 use anyhow::{Context as _, Result};
-use compass_core::segments::{Parameters, SEGMENT_COVERAGE, Segment};
+use compass_core::vision::segments::{Parameters, SEGMENT_COVERAGE, Segment};
 
 /// Segments correspond within this distance and angle.
 const DISTANCE_PX: f64 = 2.0;

@@ -8,12 +8,17 @@ use crate::plan_import::PlanRaster;
 use crate::reference::{attitude as reference, boundary as real};
 use crate::simulate::{Renderer, Scene, SceneOptions};
 use anyhow::{Context as _, Result};
-use compass_core::attitude::{self, Arc, Hint, Parameters, UP_ERROR_DEG};
-use compass_core::boundary::{self, EDGE_LEVELS, EDGES_PPM, EVIDENCE_ERROR, RUNG, Ranges, Surveyor};
-use compass_core::camera::{Bearing, Rig};
-use compass_core::raster::GrayImage;
-use compass_core::segments::Segment;
-use compass_core::windows::level::{Level, Red, segment_parameters};
+use compass_core::base::ladder::RUNG;
+use compass_core::base::raster::GrayImage;
+use compass_core::vision::attitude::{self, Arc, Parameters, UP_ERROR_DEG, UpHint};
+use compass_core::vision::boundary::{
+    self, BoundaryFinder, EDGE_LEVELS, EDGES_PPM, EVIDENCE_ERROR, RangeLikelihoods,
+};
+use compass_core::vision::camera::{Bearing, Rig};
+use compass_core::vision::level_frame::LevelFrame;
+use compass_core::vision::sample::ExclusionMask;
+use compass_core::vision::segments::Segment;
+use compass_core::vision::windows::segment_parameters;
 
 /// Size of the frames, pixels.
 const FRAME: (u32, u32) = (736, 720);
@@ -57,7 +62,7 @@ pub fn stages(raster: &PlanRaster, seed: u64) -> Result<Vec<Stage>> {
         found.add_up(&rig, &segments, up);
         let images = [0, 1].map(|camera: usize| frames[camera].gray());
         let smoothed = [0, 1].map(|camera: usize| detectors[camera].smoothed(&images[camera]));
-        found.add_ranges(&rig, &smoothed, Level::new(&up).context("a heading")?);
+        found.add_ranges(&rig, &smoothed, LevelFrame::new(&up).context("a heading")?);
     }
     Ok(found.stages())
 }
@@ -72,14 +77,14 @@ impl Differences {
             .iter()
             .filter_map(|(s, camera)| reference::Arc::new(super::segments::ends(s), view(*camera)?))
             .collect();
-        if let Some(core) = attitude::vertical(&arcs, Hint::Up(up), &parameters) {
+        if let Some(core) = attitude::vertical(&arcs, UpHint::Up(up), &parameters) {
             let exact = reference::refined(&again, up.cast(), f64::from(parameters.tolerance_deg));
             let core = core.up.cast::<f64>();
             self.up_deg.push(core.cross(&exact).norm().atan2(core.dot(&exact)).to_degrees());
         }
     }
 
-    fn add_ranges(&mut self, rig: &Rig, images: &[GrayImage<'_>; 2], level: Level) {
+    fn add_ranges(&mut self, rig: &Rig, images: &[GrayImage<'_>; 2], level: LevelFrame) {
         let [mut edges, mut support] = [(); 2].map(|()| vec![0; boundary::CELLS]);
         // Given up before it has finished, a surveyor leaves the edges as they were drawn.
         let drawn = survey(rig, images, level, [&mut edges, &mut support]).map(drop);
@@ -91,7 +96,7 @@ impl Differences {
             let alike = (core - exact).abs() <= f64::from(EDGE_LEVELS);
             self.edges = [self.edges[0] + usize::from(alike), self.edges[1] + 1];
         }
-        let mut ranges = Box::new(Ranges::EMPTY);
+        let mut ranges = Box::new(RangeLikelihoods::EMPTY);
         if let (Some(()), Some(surveyor)) = (drawn, survey(rig, images, level, [&mut edges, &mut support])) {
             surveyor.finish().likeliest(None, &mut ranges);
         }
@@ -128,12 +133,12 @@ const LEAD: i8 = 9;
 fn survey<'a, 'r>(
     rig: &'r Rig,
     images: &[GrayImage<'_>; 2],
-    level: Level,
+    level: LevelFrame,
     [edges, support]: [&'a mut [u8]; 2],
-) -> Option<Surveyor<'a, 'r>> {
-    let mut surveyor = Surveyor::new(boundary::Buffers { edges, support }, rig, level)?;
+) -> Option<BoundaryFinder<'a, 'r>> {
+    let mut surveyor = BoundaryFinder::new(boundary::Buffers { edges, support }, rig, level)?;
     for (camera, image) in images.iter().enumerate() {
-        surveyor.add(camera, image, Red::Unknown);
+        surveyor.add(camera, image, ExclusionMask::Unknown);
     }
     Some(surveyor)
 }

@@ -2,7 +2,7 @@
 
 use super::tum::{self, Pose, TumError};
 use crate::site::wrapped;
-use compass_core::track::Motion;
+use compass_core::pose::track::Motion;
 use std::path::Path;
 
 /// Poses farther apart than this are not interpolated, nanoseconds.

@@ -1,16 +1,16 @@
 //! What was seen in a frame as a gray picture: a column per direction.
 //!
-//! From the top: evidence of edges of the floor and of the ceiling by rung of range, as a [`Survey`] has it; whether
+//! From the top: evidence of edges of the floor and of the ceiling by rung of range, as a [`BoundaryEvidence`] has it; whether
 //! range and hit type are known; the log odds of a window, high byte and low byte, of 2^15 more than they are.
 
 use crate::image_file::{self, Samples};
 use crate::output::write_file;
 use anyhow::{Context as _, Result, bail};
-use compass_core::boundary::{CELLS, Survey};
-use compass_core::num::BINS;
-use compass_core::scan::Hit;
-use compass_core::similarity::Confidence;
-use compass_core::windows::level::Sighting;
+use compass_core::base::confidence::Confidence;
+use compass_core::base::num::BINS;
+use compass_core::base::scan::Hit;
+use compass_core::vision::boundary::{BoundaryEvidence, CELLS};
+use compass_core::vision::windows::WindowEvidence;
 use image::ImageEncoder as _;
 use std::path::Path;
 
@@ -31,7 +31,7 @@ pub struct Evidence {
 impl Evidence {
     /// Keeps what matching needs.
     #[must_use]
-    pub fn new(survey: &Survey<'_>, sighting: &Sighting) -> Self {
+    pub fn new(survey: &BoundaryEvidence<'_>, sighting: &WindowEvidence) -> Self {
         let odds = sighting.evidence.map(|odds| (i32::from(odds) + MIDDLE) as u16);
         let mut rows = survey.cells().to_vec();
         rows.extend(survey.known().map(u8::from));
@@ -43,22 +43,22 @@ impl Evidence {
 
     /// The evidence of ranges.
     #[must_use]
-    pub fn survey(&self) -> Survey<'_> {
+    pub fn survey(&self) -> BoundaryEvidence<'_> {
         let known = self.row(0).map(|known| known > 0);
-        Survey::new(&self.rows[..CELLS], known).expect("as many cells as a survey has")
+        BoundaryEvidence::new(&self.rows[..CELLS], known).expect("as many cells as a survey has")
     }
 
     /// The hit types; windows themselves are not kept.
     #[must_use]
-    pub fn sighting(&self) -> Sighting {
+    pub fn sighting(&self) -> WindowEvidence {
         let (high, low) = (self.row(2), self.row(3));
         let evidence =
             std::array::from_fn(|bin| (i32::from(high[bin]) * 256 + i32::from(low[bin]) - MIDDLE) as i16);
-        Sighting {
+        WindowEvidence {
             hit: evidence.map(|odds| if odds > 0 { Hit::Window } else { Hit::Wall }),
             confidence: Confidence::new(&self.row(1)),
             evidence,
-            ..Sighting::NOTHING
+            ..WindowEvidence::NOTHING
         }
     }
 
@@ -102,13 +102,13 @@ mod tests {
     fn what_was_seen_round_trips() {
         let cells: Vec<u8> = (0..CELLS).map(|at| (at * at / 7) as u8).collect();
         let known = std::array::from_fn(|bin| bin % 3 > 0);
-        let survey = Survey::new(&cells, known).unwrap();
+        let survey = BoundaryEvidence::new(&cells, known).unwrap();
         let evidence = std::array::from_fn(|bin| bin as i16 * 5 - 1024);
-        let sighting = Sighting {
+        let sighting = WindowEvidence {
             hit: evidence.map(|odds: i16| if odds > 0 { Hit::Window } else { Hit::Wall }),
             confidence: Confidence::new(&std::array::from_fn(|bin| (bin % 17) as u8)),
             evidence,
-            ..Sighting::NOTHING
+            ..WindowEvidence::NOTHING
         };
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("1.png");

@@ -137,7 +137,7 @@ mod tests {
             height_m: 1.7,
             height: 2,
             ceiling: 0,
-            single: vec![super::super::Found { sheet: 1, x: -5 << 32, y: 7, heading: u32::MAX, score: -3 }],
+            single: vec![super::super::Found { layer: 1, x: -5 << 32, y: 7, heading: u32::MAX, score: -3 }],
             oracle: Vec::new(),
             paper: [None; crate::evaluate::PAPER.len()],
             milliseconds: BTreeMap::from([("locate".to_owned(), 12.25)]),

@@ -32,7 +32,7 @@ use crate::dataset::recording::Shot;
 use crate::dataset::trajectory::Trajectory;
 use crate::eyes::Mount;
 use crate::site::progress;
-use crate::site_file::Storey;
+use crate::site_file::SiteFloor;
 use anyhow::{Context as _, Result};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -46,7 +46,7 @@ const GRAVITY_REACH_NS: u64 = 250_000_000;
 #[derive(Debug)]
 pub struct Job<'a> {
     /// The floors.
-    pub storeys: &'a [Storey<'a>],
+    pub storeys: &'a [SiteFloor<'a>],
     /// The cameras.
     pub calibration: &'a Calibration,
     /// Which side of cam0's image is up; the accelerometer overrules it.

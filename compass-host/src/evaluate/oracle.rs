@@ -1,7 +1,9 @@
 //! Evidence that the plan itself gives.
 
-use compass_core::likelihood::{PLANES, RANGES, Table, plane_of};
-use compass_core::scan::Scan;
+use compass_core::base::ladder::RANGES;
+use compass_core::base::scan::Scan;
+use compass_core::pose::evidence::EvidenceTable;
+use compass_core::pose::{PLANES, plane_of};
 
 /// Of the right plane, of each rung away from it, and at least: 1/16 nat.
 const RIGHT: i32 = 40;
@@ -10,7 +12,7 @@ const WRONG: i32 = -16;
 
 /// Writes what an eye would that sees a scan as it is: 2.5 nat for the right hit type at the right rung, less by the
 /// distance in rungs, -1 nat for all else.
-pub fn sharp(scan: &Scan, table: &mut Table) {
+pub fn sharp(scan: &Scan, table: &mut EvidenceTable) {
     for (bin, (&steps, &hit)) in scan.steps.iter().zip(&scan.hit).enumerate() {
         let seen = plane_of(steps, hit);
         for plane in 0..PLANES as u8 {
@@ -24,13 +26,13 @@ pub fn sharp(scan: &Scan, table: &mut Table) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use compass_core::scan::Hit;
+    use compass_core::base::scan::Hit;
 
     #[test]
     fn the_right_plane_is_best() {
         let mut scan = Scan::OPEN;
         (scan.steps[5], scan.hit[5]) = (100, Hit::Window);
-        let mut table = Box::new(Table::EMPTY);
+        let mut table = Box::new(EvidenceTable::EMPTY);
         sharp(&scan, &mut table);
         let best = |bin: usize| (0..PLANES as u8).max_by_key(|&plane| table.get(plane, bin)).unwrap();
         assert_eq!((best(5), best(6)), (plane_of(100, Hit::Window), plane_of(1500, Hit::Open)));

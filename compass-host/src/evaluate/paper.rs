@@ -4,12 +4,13 @@
 //! the heading, so that the core's bounds do not hold, and its exact sums take seconds.
 
 use super::PAPER;
+use compass_core::base::confidence::Confidence;
+use compass_core::base::num::{BINS, Score};
+use compass_core::base::scan::Scan;
+use compass_core::descriptor::matching::Match;
+use compass_core::descriptor::similarity::{Peak, Profile, Similarity};
 use compass_core::descriptor::{CHANNELS, Descriptor};
-use compass_core::matching::Match;
-use compass_core::num::{BINS, Score};
-use compass_core::scan::Scan;
-use compass_core::similarity::{Confidence, Peak, Profile, Similarity};
-use compass_core::site_map::SiteMap;
+use compass_core::map::site_map::SiteMap;
 use rustfft::num_complex::Complex64;
 use rustfft::{Fft, FftPlanner};
 use std::array::from_fn;
@@ -159,7 +160,7 @@ impl Paper {
 }
 
 impl Query {
-    /// The cosine of one of the [`PAPER`] ways at a shift, as [`compass_core::similarity`] defines it.
+    /// The cosine of one of the [`PAPER`] ways at a shift, as [`compass_core::descriptor::similarity`] defines it.
     fn score(&self, sums: &Sums, way: usize, shift: usize) -> f64 {
         let (_, similarity, weights) = PAPER[way];
         let own = self.norms[way];
@@ -206,7 +207,7 @@ mod tests {
     use crate::plan_import::PlanRaster;
     use crate::sample::building;
     use crate::site::{BuildOptions, PackedPlan, build};
-    use compass_core::similarity::{Candidate, Query as ExactQuery};
+    use compass_core::descriptor::similarity::{Candidate, Query as ExactQuery};
 
     /// The sample building and its site map.
     fn floor(spacing_m: f64) -> (PackedPlan, Vec<u8>) {

@@ -1,9 +1,9 @@
 //! What came of one frame, as a line of JSON.
 
 use crate::up::UpFrom;
-use compass_core::likelihood::{Answer, Mode};
-use compass_core::num::{Metres, Point, Turn};
-use compass_core::similarity::{Similarity, Weights};
+use compass_core::base::num::{Metres, Point, Turn};
+use compass_core::descriptor::similarity::{Similarity, Weights};
+use compass_core::pose::{Answer, ScoredPose};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -18,8 +18,8 @@ pub const PAPER: [(&str, Similarity, Weights); 4] = [
 /// A pose that was found, to the bit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Found {
-    /// Number of the sheet.
-    pub sheet: u8,
+    /// Number of the layer.
+    pub layer: u8,
     /// Bits of [`Metres`].
     pub x: i64,
     /// Bits of [`Metres`].
@@ -62,17 +62,17 @@ pub struct Record {
     pub milliseconds: BTreeMap<String, f64>,
 }
 
-impl From<&Mode> for Found {
-    fn from(mode: &Mode) -> Self {
-        let Mode { sheet, at, heading, score } = *mode;
-        Self { sheet, x: at.x.to_bits(), y: at.y.to_bits(), heading: heading.to_bits(), score }
+impl From<&ScoredPose> for Found {
+    fn from(mode: &ScoredPose) -> Self {
+        let ScoredPose { layer, at, heading, score } = *mode;
+        Self { layer, x: at.x.to_bits(), y: at.y.to_bits(), heading: heading.to_bits(), score }
     }
 }
 
-impl From<&Found> for Mode {
+impl From<&Found> for ScoredPose {
     fn from(found: &Found) -> Self {
         let at = Point::new(Metres::from_bits(found.x), Metres::from_bits(found.y));
-        Self { sheet: found.sheet, at, heading: Turn::from_bits(found.heading), score: found.score }
+        Self { layer: found.layer, at, heading: Turn::from_bits(found.heading), score: found.score }
     }
 }
 

@@ -5,8 +5,8 @@ use crate::as_built::Walls;
 use crate::figures::{self, ErrorCurve, ErrorSeries, Fix, PlanPicture, TrajectoryPicture};
 use crate::report::{Picture, Section, Table, write_html};
 use anyhow::Result;
-use compass_core::plan::Plan;
-use compass_core::scan::Hit;
+use compass_core::base::scan::Hit;
+use compass_core::map::plan::Plan;
 use std::path::Path;
 
 /// How many of the worst frames are listed.

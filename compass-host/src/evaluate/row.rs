@@ -4,7 +4,7 @@ use super::Found;
 use crate::dataset::tum::Pose;
 use crate::output::Decimal;
 use crate::site::wrapped;
-use compass_core::likelihood::Sheet;
+use compass_core::pose::FloorLayer;
 use serde::Serialize;
 
 /// The score falls to 10^(-1/5) per metre of error.
@@ -39,8 +39,8 @@ impl Misses {
 /// Knows which floor is true.
 #[derive(Debug, Clone, Copy)]
 pub struct Judge<'a> {
-    /// What poses count their sheets by.
-    pub sheets: &'a [Sheet<'a>],
+    /// What poses count their layers by.
+    pub layers: &'a [FloorLayer<'a>],
     /// The true floor.
     pub floor: usize,
 }
@@ -49,7 +49,7 @@ impl Judge<'_> {
     /// Whether a pose is on the true floor.
     #[must_use]
     pub fn is_on_floor(&self, found: &Found) -> bool {
-        let floor = self.sheets.get(usize::from(found.sheet)).map(|sheet| usize::from(sheet.floor));
+        let floor = self.layers.get(usize::from(found.layer)).map(|layer| usize::from(layer.floor));
         floor == Some(self.floor)
     }
 

@@ -7,9 +7,11 @@ use crate::dataset::tum::Pose;
 use crate::locator::Locator;
 use crate::site::progress;
 use anyhow::Result;
-use compass_core::likelihood::{Mode, Table};
-use compass_core::locate::SURE_NATS;
-use compass_core::track::{Estimate, Frame, Track, Usual};
+use compass_core::pose::ScoredPose;
+use compass_core::pose::evidence::EvidenceTable;
+use compass_core::pose::heights::HeightMemory;
+use compass_core::pose::locate::SURE_NATS;
+use compass_core::pose::track::{Estimate, Frame, Track};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use std::time::Instant;
 
@@ -31,7 +33,7 @@ pub const SURE: f32 = 0.9;
 /// estimate goes on by odometry, or stays.
 ///
 /// Whoever carries the cameras keeps their height, and a storey its ceiling: a frame that is not sure and found other
-/// heights than the sure ones before it is searched anew with [theirs](Usual), and the answer that leads by more counts.
+/// heights than the sure ones before it is searched anew with [theirs](HeightMemory), and the answer that leads by more counts.
 ///
 /// # Errors
 /// Names a file of evidence that cannot be read.
@@ -42,8 +44,8 @@ pub fn follow(
     odometry: Option<&Trajectory>,
 ) -> Result<Followed> {
     let mut track = Track::new();
-    let (mut before, mut usual): (Option<u64>, Usual) = (None, Usual::new());
-    let (nothing, mut walls) = (Box::new(Table::EMPTY), Walls::default());
+    let (mut before, mut usual): (Option<u64>, HeightMemory) = (None, HeightMemory::new());
+    let (nothing, mut walls) = (Box::new(EvidenceTable::EMPTY), Walls::default());
     let plan = job.storeys.get(job.floor).and_then(|storey| storey.floor?.plan(0));
     let (mut estimates, mut seconds, mut steps) = (Vec::with_capacity(records.len()), 0.0, 0);
     let bar = progress(records.len(), "following");
@@ -54,10 +56,10 @@ pub fn follow(
         if record.problem.is_some() {
             if motion.is_some() {
                 let frame = Frame { table: &nothing, modes: &[], seconds: seconds_since, motion };
-                estimates.push(track.step(locator.sheets(), &frame));
+                estimates.push(track.step(locator.layers(), &frame));
                 before = Some(record.timestamp_ns);
             } else {
-                estimates.push(track.estimate(locator.sheets()));
+                estimates.push(track.estimate(locator.layers()));
             }
             continue;
         }
@@ -65,10 +67,10 @@ pub fn follow(
         let started = Instant::now();
         let modes = explain(record, &evidence, &mut usual, locator);
         let frame = Frame { table: locator.table(), modes: &modes, seconds: seconds_since, motion };
-        let estimate = track.step(locator.sheets(), &frame);
+        let estimate = track.step(locator.layers(), &frame);
         seconds += started.elapsed().as_secs_f64();
-        let judge = Judge { sheets: locator.sheets(), floor: job.floor };
-        let on_floor = |mode: &Mode| judge.is_on_floor(&Found::from(mode));
+        let judge = Judge { layers: locator.layers(), floor: job.floor };
+        let on_floor = |mode: &ScoredPose| judge.is_on_floor(&Found::from(mode));
         if let Some((plan, sure)) = plan.zip(estimate.filter(|e| e.probability >= SURE && on_floor(&e.mode)))
         {
             walls.add(&plan, &sure.mode, locator.table());
@@ -82,7 +84,12 @@ pub fn follow(
 }
 
 /// The poses that explain a frame with the usual heights; the locator's table has its evidence.
-fn explain(record: &Record, evidence: &Evidence, usual: &mut Usual, locator: &mut Locator<'_>) -> Vec<Mode> {
+fn explain(
+    record: &Record,
+    evidence: &Evidence,
+    usual: &mut HeightMemory,
+    locator: &mut Locator<'_>,
+) -> Vec<ScoredPose> {
     let is_sure = record.margin() >= f64::from(SURE_NATS);
     if is_sure {
         usual.learn(record.height, record.ceiling);
@@ -96,7 +103,7 @@ fn explain(record: &Record, evidence: &Evidence, usual: &mut Usual, locator: &mu
         }
     }
     locator.weigh(&survey, [record.height, record.ceiling], &sighting);
-    record.single.iter().map(Mode::from).collect()
+    record.single.iter().map(ScoredPose::from).collect()
 }
 
 /// A pose of cam0 with all its axes: z is its height above the floor, and the frame tells which way is up.
@@ -126,8 +133,12 @@ mod tests {
     #[test]
     fn a_pose_has_its_heading_and_its_up() {
         let truth = Pose::looking(7, [3.0, -2.0, 1.4], 130.0, 20.0, 175.0);
-        let mode =
-            Mode { sheet: 0, at: point(3.0, -2.0).unwrap(), heading: turn(truth.heading_deg()), score: 1 };
+        let mode = ScoredPose {
+            layer: 0,
+            at: point(3.0, -2.0).unwrap(),
+            heading: turn(truth.heading_deg()),
+            score: 1,
+        };
         let up: [f32; 3] = truth.up_in_camera().cast::<f32>().into();
         let record = Record {
             timestamp_ns: 7,

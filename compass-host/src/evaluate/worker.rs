@@ -9,13 +9,14 @@ use crate::locator::{Locator, NoPlan};
 use crate::site;
 use crate::up::{UpFrom, UpSources};
 use anyhow::Result;
-use compass_core::boundary::{NOMINAL_HEIGHT_M, Ranges, height_rungs};
-use compass_core::likelihood::Mode;
-use compass_core::locate::Room;
-use compass_core::num::BINS;
-use compass_core::scan::Scan;
-use compass_core::sight;
-use compass_core::similarity::Confidence;
+use compass_core::base::confidence::Confidence;
+use compass_core::base::ladder::{NOMINAL_HEIGHT_M, height_rungs};
+use compass_core::base::num::BINS;
+use compass_core::base::scan::Scan;
+use compass_core::pose::ScoredPose;
+use compass_core::pose::locate::HeightPrior;
+use compass_core::vision::boundary::RangeLikelihoods;
+use compass_core::vision::visual_scan;
 use std::collections::BTreeMap;
 
 /// What was seen, the up vector, and what told it.
@@ -30,7 +31,7 @@ pub struct Worker<'a> {
     /// One for each combination of cameras that occurred.
     eyes: Vec<(Sizes, Eyes)>,
     locator: Locator<'a>,
-    ranges: Box<Ranges>,
+    ranges: Box<RangeLikelihoods>,
     paper: Paper,
 }
 
@@ -47,7 +48,13 @@ impl<'a> Worker<'a> {
     /// [`NoPlan`] if a floor has no plan to refine poses on.
     pub fn new(job: &'a Job<'a>) -> Result<Self, NoPlan> {
         let locator = Locator::new(job.storeys)?;
-        Ok(Self { job, eyes: Vec::new(), locator, ranges: Box::new(Ranges::EMPTY), paper: Paper::default() })
+        Ok(Self {
+            job,
+            eyes: Vec::new(),
+            locator,
+            ranges: Box::new(RangeLikelihoods::EMPTY),
+            paper: Paper::default(),
+        })
     }
 
     /// Localizes a frame in every way and keeps its evidence.
@@ -127,7 +134,7 @@ impl<'a> Worker<'a> {
     /// Ours and the paper's.
     fn search(&mut self, evidence: &Evidence, record: &mut Record, clock: &mut Clock) -> Result<()> {
         let (survey, sighting) = (evidence.survey(), evidence.sighting());
-        let room = Room { height: self.job.height_m.map(height_rungs), ceiling: None };
+        let room = HeightPrior { height: self.job.height_m.map(height_rungs), ceiling: None };
         let fix = self.locator.locate(&survey, room, &sighting);
         clock.stage("locate");
         record.height_m = self.job.height_m.unwrap_or_else(|| fix.height_m());
@@ -137,7 +144,7 @@ impl<'a> Worker<'a> {
         evidence.write(&self.job.evidence_file(record.timestamp_ns))?;
         clock.stage("write");
         survey.ranges(fix.ceiling, &mut self.ranges);
-        let (scan, confidence) = sight::scan(&self.ranges, fix.height, &sighting);
+        let (scan, confidence) = visual_scan::scan(&self.ranges, fix.height, &sighting);
         record.paper = self.paper(&scan, &confidence);
         clock.stage("paper");
         Ok(())
@@ -146,13 +153,14 @@ impl<'a> Worker<'a> {
     /// The best candidate by the cosine of descriptors in each way, on the layers that have everything.
     fn paper(&mut self, scan: &Scan, confidence: &Confidence) -> [Option<Found>; PAPER.len()] {
         let mut best: [Option<Found>; PAPER.len()] = [None; PAPER.len()];
-        for (number, sheet) in (0..).zip(self.locator.sheets()).filter(|(_, sheet)| sheet.layer == 0) {
-            for (best, found) in best.iter_mut().zip(self.paper.best(&sheet.map, scan, confidence)) {
+        for (number, layer) in (0..).zip(self.locator.layers()).filter(|(_, layer)| layer.number == 0) {
+            for (best, found) in best.iter_mut().zip(self.paper.best(&layer.map, scan, confidence)) {
                 let Some(found) = found else { continue };
-                let Some(at) = sheet.map.position(found.candidate as usize) else { continue };
+                let Some(at) = layer.map.position(found.candidate as usize) else { continue };
                 let score = found.peak.score_bits;
                 if best.is_none_or(|best| score > best.score) {
-                    *best = Some(Found::from(&Mode { sheet: number, at, heading: found.heading(), score }));
+                    *best =
+                        Some(Found::from(&ScoredPose { layer: number, at, heading: found.heading(), score }));
                 }
             }
         }

@@ -6,7 +6,7 @@ use crate::frame::Frame;
 use crate::output::write_png;
 use crate::report::Picture;
 use anyhow::Result;
-use compass_core::camera::Pixel;
+use compass_core::vision::camera::Pixel;
 use image::{Rgb, RgbImage};
 use std::path::Path;
 

@@ -10,7 +10,7 @@ use super::page::{Entry, Page, Symbol};
 use super::style::{INK, PAPER, Pen, TICK_PX};
 use super::text::text_width;
 use crate::frame::Frame;
-use compass_core::camera::Pixel;
+use compass_core::vision::camera::Pixel;
 
 /// Lines of one kind, in pixels of the frame: pixel centres are at integers.
 #[derive(Debug, Clone)]

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use compass_core::scan::Hit;
+use compass_core::base::scan::Hit;
 use plotters::style::RGBColor;
 
 use super::canvas::{Canvas, DrawError, Drawn, LEFT, Px, Rect, to_png};

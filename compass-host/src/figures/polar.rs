@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use compass_core::scan::Hit;
+use compass_core::base::scan::Hit;
 use plotters::style::RGBColor;
 use plotters::style::text_anchor::{HPos, VPos};
 

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use compass_core::scan::Hit;
+use compass_core::base::scan::Hit;
 
 use super::axes::{ABOVE, Axes, Axis, BELOW, BESIDE};
 use super::canvas::{Canvas, Drawn, Rect};

@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
-use compass_core::raster::GrayImage;
-use compass_core::scan::Hit;
-use compass_core::windows::level::{Edge, Resolution, TOP_DEG, Window, WindowBox};
+use compass_core::base::raster::GrayImage;
+use compass_core::base::scan::Hit;
+use compass_core::vision::panorama::{Resolution, TOP_DEG};
+use compass_core::vision::windows::{Edge, Window, WindowBox};
 use plotters::style::RGBColor;
 
 use super::canvas::{CENTRE, Canvas, Drawn, LEFT, RIGHT, Rect};

@@ -3,7 +3,7 @@
 //! A figure is 1600 px wide and meant for a 16 cm text width: 100 px are 1 cm, so the text of 30 px
 //! prints at 8.5 points.
 
-use compass_core::scan::Hit;
+use compass_core::base::scan::Hit;
 use plotters::style::RGBColor;
 use plotters::style::colors::colormaps::{ColorMap, ViridisRGB};
 

@@ -4,7 +4,7 @@
 
 use std::path::{Path, PathBuf};
 
-use compass_core::scan::Hit;
+use compass_core::base::scan::Hit;
 use image::{Rgb, RgbImage};
 use plotters::style::RGBColor;
 

@@ -1,6 +1,6 @@
 //! Candidate positions inside: a regular grid, completed where it misses narrow places.
 
-use compass_core::raster::BitMask;
+use compass_core::base::raster::BitMask;
 
 use super::{Interior, InteriorError, check_same_size};
 

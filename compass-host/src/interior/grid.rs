@@ -1,6 +1,6 @@
 //! Cells of a plan with a free margin: occupancy, exact distances, the flood from the outside.
 
-use compass_core::raster::BitMask;
+use compass_core::base::raster::BitMask;
 
 /// Distance of a cell when nothing is marked; its square still fits with room for a sum.
 const FAR: i32 = 20_000;

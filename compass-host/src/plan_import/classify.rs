@@ -178,7 +178,7 @@ fn second_look(looks: &[u8], width: usize) -> Masks {
     for (south, row) in looks.rchunks_exact(width).enumerate() {
         let north = looks.len() / width - 1 - south;
         for (x, &look) in row.iter().enumerate() {
-            let Some(settled) = map.settle(look, x, north) else { continue };
+            let Some(settled) = map.refine_fine(look, x, north) else { continue };
             let (at, bit) = (south * row_bytes + x / 8, 1_u8 << (x % 8));
             masks.walls[at] &= !bit;
             masks.windows[at] &= !bit;
@@ -201,7 +201,7 @@ struct Looks<'a> {
 
 impl Looks<'_> {
     /// What the pixel becomes when its neighbours overrule the first look.
-    fn settle(self, look: u8, x: usize, y: usize) -> Option<u8> {
+    fn refine_fine(self, look: u8, x: usize, y: usize) -> Option<u8> {
         match look {
             DOUBTFUL_WALL => (self.touches_glazing(x, y) && !self.touches_sound_wall(x, y)).then_some(WINDOW),
             FAINT_DARK if self.is_wall_rim(x, y) => Some(WALL),
@@ -245,7 +245,7 @@ fn is_glazing(look: u8) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use compass_core::raster::BitMask;
+    use compass_core::base::raster::BitMask;
 
     use super::*;
 

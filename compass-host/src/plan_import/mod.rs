@@ -10,7 +10,7 @@ pub mod structure;
 
 use std::path::{Path, PathBuf};
 
-use compass_core::raster::BitMask;
+use compass_core::base::raster::BitMask;
 use thiserror::Error;
 
 use crate::image_file::{self, ImageFileError, Pixels};
@@ -163,7 +163,7 @@ impl PlanRaster {
     ///
     /// # Panics
     /// When the fields were changed to contradict each other, or [`Self::empty`] was given a side of 0
-    /// or above [`MAX_SIDE`](compass_core::raster::MAX_SIDE); never for what [`load`] returns.
+    /// or above [`MAX_SIDE`](compass_core::base::raster::MAX_SIDE); never for what [`load`] returns.
     #[must_use]
     pub fn walls_mask(&self) -> BitMask<'_> {
         self.mask(&self.walls)
@@ -173,7 +173,7 @@ impl PlanRaster {
     ///
     /// # Panics
     /// When the fields were changed to contradict each other, or [`Self::empty`] was given a side of 0
-    /// or above [`MAX_SIDE`](compass_core::raster::MAX_SIDE); never for what [`load`] returns.
+    /// or above [`MAX_SIDE`](compass_core::base::raster::MAX_SIDE); never for what [`load`] returns.
     #[must_use]
     pub fn windows_mask(&self) -> BitMask<'_> {
         self.mask(&self.windows)

@@ -9,7 +9,7 @@
 
 use super::PlanRaster;
 use crate::interior::{self, InteriorError, InteriorOptions};
-use compass_core::raster::BitMask;
+use compass_core::base::raster::BitMask;
 use thiserror::Error;
 
 /// Thinnest wall that bears load, in metres, unless the caller knows better.

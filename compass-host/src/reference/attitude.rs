@@ -1,7 +1,7 @@
 //! The vertical vanishing point again: arcs by the reference's lenses, directions by an eigenvalue decomposition.
 
 use super::camera::Camera;
-use compass_core::camera::View;
+use compass_core::vision::camera::View;
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
 /// Arcs end within this of the optical axis, and are at least and weigh at most so long, degrees.

@@ -3,8 +3,8 @@
 //! A cell is a surface (floor, ceiling), a rung of log range and a bin of azimuth.
 
 use super::camera::Camera;
-use compass_core::camera::{Rig, View};
-use compass_core::raster::GrayImage;
+use compass_core::base::raster::GrayImage;
+use compass_core::vision::camera::{Rig, View};
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 

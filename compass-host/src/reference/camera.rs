@@ -2,7 +2,7 @@
 //!
 //! Axes and pixel centres are the core's: x right, y down, z forward; the top left pixel is (0, 0).
 
-use compass_core::camera::{Camera as CoreCamera, WIDEST_ANGLE, WIDEST_RADIUS};
+use compass_core::vision::camera::{Camera as CoreCamera, WIDEST_ANGLE, WIDEST_RADIUS};
 
 /// How far from the principal point an angle is imaged.
 #[derive(Debug, Clone, Copy, PartialEq)]

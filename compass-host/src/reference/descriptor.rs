@@ -1,7 +1,7 @@
 //! The five channels (paper: multi-channel scene signature).
 
 use super::march::{R_MAX_M, Scan};
-use compass_core::scan::Hit;
+use compass_core::base::scan::Hit;
 
 /// Five channels of 360 bins.
 pub type Channels = [[f64; 360]; 5];

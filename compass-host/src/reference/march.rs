@@ -1,7 +1,7 @@
 //! Ray march by plain stepping (paper: 360 rays, step 0.02 m, `r_max` 30 m).
 
-use compass_core::raster::BitMask;
-use compass_core::scan::Hit;
+use compass_core::base::raster::BitMask;
+use compass_core::base::scan::Hit;
 
 /// March step in metres.
 pub const STEP_M: f64 = 0.02;

@@ -21,7 +21,7 @@ mod texture;
 pub use scene::{Scene, SceneOptions};
 
 use crate::dataset::tum::Pose;
-use compass_core::camera::{Camera, Pixel, Rig, View};
+use compass_core::vision::camera::{Camera, Pixel, Rig, View};
 use fan::Fan;
 use image::RgbImage;
 use nalgebra::{Matrix3, Vector3};

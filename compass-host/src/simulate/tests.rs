@@ -5,8 +5,8 @@ use crate::calibration::Calibration;
 use crate::plan_import::PlanRaster;
 use crate::sample;
 use crate::site::PackedPlan;
-use compass_core::raster::is_red;
-use compass_core::scan::Hit;
+use compass_core::base::raster::is_red;
+use compass_core::base::scan::Hit;
 
 const SIZE: (u32, u32) = (368, 360);
 

@@ -5,15 +5,15 @@
 //! the [`words`] of its scratch. For frames of 368 x 360 pixels that is 466 KB, and 12 KB of stack; there is no heap.
 //!
 //! ```
-//! use compass_board::{Error, Frame, Locator, sheets, words};
-//! use compass_core::{attitude::Hint, camera::Rig, likelihood::Sheet, locate::{Effort, Fix, Room}, windows::level::Resolution};
+//! use compass_board::{Error, Frame, Locator, layers, words};
+//! use compass_core::{attitude::UpHint, camera::Rig, likelihood::FloorLayer, locate::{Effort, Fix, HeightPrior}, windows::level::Resolution};
 //!
 //! // On a board this is a static.
 //! type Eyes = Locator<[u32; words(368, 360, Resolution::COARSE)]>;
 //!
-//! fn pose(eyes: &mut Eyes, rig: &Rig, frames: &[Option<Frame>; 2], up: Hint, site: &[Sheet]) -> Result<Fix, Error> {
+//! fn pose(eyes: &mut Eyes, rig: &Rig, frames: &[Option<Frame>; 2], up: UpHint, site: &[FloorLayer]) -> Result<Fix, Error> {
 //!     eyes.see(rig, frames, up)?;
-//!     eyes.locate(site, Room::default(), Effort::on_board(&Room::default()))
+//!     eyes.locate(site, HeightPrior::default(), Effort::on_board(&HeightPrior::default()))
 //! }
 //! ```
 #![no_std]
@@ -22,5 +22,5 @@
 mod locator;
 mod scratch;
 
-pub use locator::{Error, Frame, Locator, sheets};
+pub use locator::{Error, Frame, Locator, layers};
 pub use scratch::words;

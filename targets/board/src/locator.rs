@@ -1,18 +1,20 @@
 //! The steps from frames to a pose, in their order.
 
 use crate::scratch::{self, Search};
-use compass_core::attitude::{Arc, Hint, Parameters, Vertical, vertical};
-use compass_core::boundary::{Survey, Surveyor};
-use compass_core::camera::{Rig, View};
-use compass_core::likelihood::{Mode, Sheet};
-use compass_core::locate::{self, Effort, Fix, Room, Work};
-use compass_core::num::{BINS, Metres, Point, Turn};
-use compass_core::raster::GrayImage;
-use compass_core::segments::{Segment, detect};
-use compass_core::sight;
-use compass_core::site::Site;
-use compass_core::track::{self, Estimate, Motion, Track};
-use compass_core::windows::level::{Finder, Level, Red, Resolution, Sighting, Window, segment_parameters};
+use compass_core::vision::attitude::{Arc, UpHint, Parameters, Vertical, vertical};
+use compass_core::vision::boundary::{BoundaryEvidence, BoundaryFinder};
+use compass_core::vision::camera::{Rig, View};
+use compass_core::pose::{ScoredPose, FloorLayer};
+use compass_core::pose::locate::{self, Effort, Fix, HeightPrior, Work};
+use compass_core::base::num::{BINS, Metres, Point, Turn};
+use compass_core::base::raster::GrayImage;
+use compass_core::vision::segments::{Segment, detect};
+use compass_core::map::site::Site;
+use compass_core::pose::track::{self, Estimate, Motion, Track};
+use compass_core::vision::windows::{WindowFinder, WindowEvidence, Window, segment_parameters};
+use compass_core::vision::level_frame::LevelFrame;
+use compass_core::vision::sample::ExclusionMask;
+use compass_core::vision::panorama::Resolution;
 use core::fmt;
 
 /// Most windows around.
@@ -22,8 +24,8 @@ const POOL: usize = 64;
 /// Segments of coarse frames point to the vertical within so many degrees.
 const COARSE_TOLERANCE_DEG: f32 = 3.0;
 /// A mode of which every byte is zero, so that a static [`Locator`] takes no flash.
-const BLANK: Mode =
-    Mode { sheet: 0, at: Point::new(Metres::ZERO, Metres::ZERO), heading: Turn::ZERO, score: 0 };
+const BLANK: ScoredPose =
+    ScoredPose { layer: 0, at: Point::new(Metres::ZERO, Metres::ZERO), heading: Turn::ZERO, score: 0 };
 
 /// What one camera saw.
 #[derive(Debug, Clone, Copy)]
@@ -31,7 +33,7 @@ pub struct Frame<'a> {
     /// Gray levels, of the size that the rig's view says.
     pub gray: GrayImage<'a>,
     /// Where it is red: safety gear in the way of a window.
-    pub red: Red<'a>,
+    pub red: ExclusionMask<'a>,
 }
 
 /// Why there is no answer.
@@ -69,9 +71,9 @@ impl core::error::Error for Error {}
 enum Done {
     Nothing,
     Segments,
-    Level,
+    LevelFrame,
     Windows,
-    Ranges,
+    RangeLikelihoods,
 }
 
 /// Finds poses in pairs of frames: `M` is `[u32; words(WIDTH, HEIGHT, RING)]`, or such a slice lent.
@@ -87,10 +89,10 @@ pub struct Locator<M, const SEGMENTS: usize = 512> {
     arcs: [[Arc; SEGMENTS]; 2],
     vertical: Option<Vertical>,
     windows: [Window; WINDOWS],
-    sighting: Sighting,
+    sighting: WindowEvidence,
     /// Bins of which floor or ceiling was seen.
     known: [bool; BINS],
-    pool: [Mode; POOL],
+    pool: [ScoredPose; POOL],
     scratch: M,
 }
 
@@ -105,7 +107,7 @@ impl<M, const SEGMENTS: usize> Locator<M, SEGMENTS> {
             arcs: [[Arc::EMPTY; SEGMENTS]; 2],
             vertical: None,
             windows: [Window::EMPTY; WINDOWS],
-            sighting: Sighting::NOTHING,
+            sighting: WindowEvidence::NOTHING,
             known: [false; BINS],
             pool: [BLANK; POOL],
             scratch,
@@ -131,7 +133,7 @@ impl<M, const SEGMENTS: usize> Locator<M, SEGMENTS> {
 
     /// The windows around, and window or wall in every direction, once they are known.
     #[must_use]
-    pub fn sighting(&self) -> Option<(&[Window], &Sighting)> {
+    pub fn sighting(&self) -> Option<(&[Window], &WindowEvidence)> {
         self.reached(Done::Windows).ok()?;
         Some((self.windows.get(..self.sighting.count)?, &self.sighting))
     }
@@ -146,7 +148,7 @@ impl<M: AsMut<[u32]> + AsRef<[u32]>, const SEGMENTS: usize> Locator<M, SEGMENTS>
     ///
     /// # Errors
     /// [`Error`], but not [`Error::Order`].
-    pub fn see(&mut self, rig: &Rig, frames: &[Option<Frame<'_>>; 2], up: Hint) -> Result<(), Error> {
+    pub fn see(&mut self, rig: &Rig, frames: &[Option<Frame<'_>>; 2], up: UpHint) -> Result<(), Error> {
         for (camera, frame) in frames.iter().enumerate() {
             match (rig.view(camera), frame) {
                 (Some(_), Some(frame)) => self.detect(rig, camera, frame)?,
@@ -184,7 +186,7 @@ impl<M: AsMut<[u32]> + AsRef<[u32]>, const SEGMENTS: usize> Locator<M, SEGMENTS>
     ///
     /// # Errors
     /// [`Error::Order`] if the segments of a camera are missing; [`Error::Up`].
-    pub fn level(&mut self, rig: &Rig, up: Hint) -> Result<(), Error> {
+    pub fn level(&mut self, rig: &Rig, up: UpHint) -> Result<(), Error> {
         self.reached(Done::Segments)?;
         self.done = Done::Segments;
         let mut slots = self.arcs.as_flattened_mut().iter_mut();
@@ -204,7 +206,7 @@ impl<M: AsMut<[u32]> + AsRef<[u32]>, const SEGMENTS: usize> Locator<M, SEGMENTS>
         }
         self.vertical = vertical(arcs, up, &parameters);
         self.frame()?;
-        self.done = Done::Level;
+        self.done = Done::LevelFrame;
         Ok(())
     }
 
@@ -213,12 +215,12 @@ impl<M: AsMut<[u32]> + AsRef<[u32]>, const SEGMENTS: usize> Locator<M, SEGMENTS>
     /// # Errors
     /// [`Error::Order`] before [`level`](Self::level); [`Error::Camera`], [`Error::Memory`].
     pub fn look(&mut self, rig: &Rig, frames: &[Option<Frame<'_>>; 2]) -> Result<(), Error> {
-        self.reached(Done::Level)?;
-        self.done = Done::Level;
+        self.reached(Done::LevelFrame)?;
+        self.done = Done::LevelFrame;
         let level = self.frame()?;
         let ring = resolution(rig);
         let buffers = scratch::ring(self.scratch.as_mut(), ring).ok_or(Error::Memory)?;
-        let mut finder = Finder::new(buffers, ring, rig, level).ok_or(Error::Memory)?;
+        let mut finder = WindowFinder::new(buffers, ring, rig, level).ok_or(Error::Memory)?;
         for (camera, view) in rig.views() {
             let frame = frame_of(frames, camera, view)?;
             let segments = detected(&self.segments, &self.counts, camera).ok_or(Error::Order)?;
@@ -238,34 +240,34 @@ impl<M: AsMut<[u32]> + AsRef<[u32]>, const SEGMENTS: usize> Locator<M, SEGMENTS>
         self.done = Done::Windows;
         let level = self.frame()?;
         let buffers = scratch::raster(self.scratch.as_mut()).ok_or(Error::Memory)?;
-        let mut surveyor = Surveyor::new(buffers, rig, level).ok_or(Error::Memory)?;
+        let mut surveyor = BoundaryFinder::new(buffers, rig, level).ok_or(Error::Memory)?;
         for (camera, view) in rig.views() {
             let frame = frame_of(frames, camera, view)?;
             surveyor.add(camera, &frame.gray, frame.red);
         }
         self.known = *surveyor.finish().known();
-        self.done = Done::Ranges;
+        self.done = Done::RangeLikelihoods;
         Ok(())
     }
 
     /// What was seen of floor and ceiling, once that is known.
     #[must_use]
-    pub fn evidence(&self) -> Option<Survey<'_>> {
-        self.reached(Done::Ranges).ok()?;
-        Survey::new(scratch::support(self.scratch.as_ref())?, self.known)
+    pub fn evidence(&self) -> Option<BoundaryEvidence<'_>> {
+        self.reached(Done::RangeLikelihoods).ok()?;
+        BoundaryEvidence::new(scratch::support(self.scratch.as_ref())?, self.known)
     }
 
     /// The pose that explains best what was seen.
     ///
     /// # Errors
     /// [`Error::Order`] if nothing was [seen](Self::see); [`Error::Memory`].
-    pub fn locate(&mut self, sheets: &[Sheet<'_>], room: Room, effort: Effort) -> Result<Fix, Error> {
-        self.reached(Done::Ranges)?;
+    pub fn locate(&mut self, layers: &[FloorLayer<'_>], room: HeightPrior, effort: Effort) -> Result<Fix, Error> {
+        self.reached(Done::RangeLikelihoods)?;
         let Search { support, ranges, table, rows } =
             Search::new(self.scratch.as_mut()).ok_or(Error::Memory)?;
-        let survey = Survey::new(support, self.known).ok_or(Error::Memory)?;
+        let survey = BoundaryEvidence::new(support, self.known).ok_or(Error::Memory)?;
         let mut work = Work { ranges, table, rows, pool: &mut self.pool, effort };
-        Ok(locate::locate(&survey, room, &self.sighting, sheets, &mut work))
+        Ok(locate::locate(&survey, room, &self.sighting, layers, &mut work))
     }
 
     /// Takes what was seen and the [pose](Self::locate) found in it into a belief over the sequence of frames; `seconds`
@@ -276,24 +278,24 @@ impl<M: AsMut<[u32]> + AsRef<[u32]>, const SEGMENTS: usize> Locator<M, SEGMENTS>
     pub fn track(
         &mut self,
         track: &mut Track,
-        sheets: &[Sheet<'_>],
+        layers: &[FloorLayer<'_>],
         fix: &Fix,
         seconds: f32,
         motion: Option<Motion>,
     ) -> Result<Option<Estimate>, Error> {
-        self.reached(Done::Ranges)?;
+        self.reached(Done::RangeLikelihoods)?;
         let Search { support, ranges, table, .. } =
             Search::new(self.scratch.as_mut()).ok_or(Error::Memory)?;
-        let survey = Survey::new(support, self.known).ok_or(Error::Memory)?;
+        let survey = BoundaryEvidence::new(support, self.known).ok_or(Error::Memory)?;
         survey.ranges(fix.ceiling, ranges);
-        sight::evidence(ranges, fix.height, &self.sighting, table);
+        compass_core::pose::evidence::weigh(ranges, fix.height, &self.sighting, table);
         let modes = fix.answer.modes();
-        Ok(track.step(sheets, &track::Frame { table, modes, seconds, motion }))
+        Ok(track.step(layers, &track::Frame { table, modes, seconds, motion }))
     }
 
     /// The level frame; the optical axis of camera 0 must not be upright.
-    fn frame(&self) -> Result<Level, Error> {
-        self.vertical.and_then(|vertical| Level::new(&vertical.up)).ok_or(Error::Up)
+    fn frame(&self) -> Result<LevelFrame, Error> {
+        self.vertical.and_then(|vertical| LevelFrame::new(&vertical.up)).ok_or(Error::Up)
     }
 }
 
@@ -330,14 +332,14 @@ fn resolution(rig: &Rig) -> Resolution {
     if coarse { Resolution::COARSE } else { Resolution::FINE }
 }
 
-/// All layers of all floors of a site, in the order that [`Mode::sheet`] counts them.
-pub fn sheets<'a>(site: &Site<'a>) -> impl Iterator<Item = Sheet<'a>> + use<'a> {
+/// All layers of all floors of a site, in the order that [`ScoredPose::layer`] counts them.
+pub fn layers<'a>(site: &Site<'a>) -> impl Iterator<Item = FloorLayer<'a>> + use<'a> {
     let floors = site.floors().enumerate();
     floors.flat_map(|(number, floor)| {
         let layers = (0..floor.layers()).zip(core::iter::repeat(floor));
         layers.filter_map(move |(layer, floor)| {
             let plan = floor.plan(layer)?;
-            Some(Sheet { map: *floor.map(), layer: layer as u8, plan, floor: number as u8 })
+            Some(FloorLayer { map: *floor.map(), number: layer as u8, plan, floor: number as u8 })
         })
     })
 }
@@ -348,12 +350,12 @@ mod tests {
 
     use super::*;
     use crate::words;
-    use compass_core::camera::{Bearing, Camera, Intrinsics, KannalaBrandt};
+    use compass_core::vision::camera::{Bearing, Camera, Intrinsics, KannalaBrandt};
     use std::vec;
 
     type Small<'a> = Locator<&'a mut [u32]>;
 
-    const UP: Hint = Hint::Up(Bearing::new(0.0, -1.0, 0.0));
+    const UP: UpHint = UpHint::Up(Bearing::new(0.0, -1.0, 0.0));
 
     /// One camera of 64 x 48 pixels.
     fn rig() -> Rig {
@@ -362,7 +364,7 @@ mod tests {
     }
 
     fn frame(pixels: &[u8], height: u32) -> Option<Frame<'_>> {
-        Some(Frame { gray: GrayImage::new(pixels, 64, height).unwrap(), red: Red::Unknown })
+        Some(Frame { gray: GrayImage::new(pixels, 64, height).unwrap(), red: ExclusionMask::Unknown })
     }
 
     #[test]
@@ -397,7 +399,7 @@ mod tests {
         assert_eq!(small.look(&rig(), &frames), Err(Error::Order));
         assert_eq!(small.survey(&rig(), &frames), Err(Error::Order));
         assert!(small.sighting().is_none() && small.evidence().is_none());
-        let fix = small.locate(&[], Room::default(), Effort::LITTLE);
+        let fix = small.locate(&[], HeightPrior::default(), Effort::LITTLE);
         assert_eq!(fix.err(), Some(Error::Order));
     }
 }

@@ -1,10 +1,12 @@
 //! Memory that the steps use one after the other.
 
 use bytemuck::Pod;
-use compass_core::boundary::{self, CELLS, Ranges};
-use compass_core::likelihood::{Rows, Table};
-use compass_core::segments::{self, pixels, trail_len};
-use compass_core::windows::level::{self, Column, Resolution, Upright, WindowBox};
+use compass_core::vision::boundary::{self, CELLS, RangeLikelihoods};
+use compass_core::pose::Rows;
+use compass_core::pose::evidence::EvidenceTable;
+use compass_core::vision::segments::{self, pixels, trail_len};
+use compass_core::vision::windows::{self, Column, Upright, WindowBox};
+use compass_core::vision::panorama::Resolution;
 
 /// Headings that the search tries.
 pub(crate) const HEADINGS: usize = 40;
@@ -23,7 +25,7 @@ pub const fn words(width: u16, height: u16, ring: Resolution) -> usize {
         + of::<Column>(ring.columns() + 1)
         + of::<Upright>(UPRIGHTS)
         + of::<WindowBox>(BOXES);
-    let search = of::<u8>(CELLS) + of::<Ranges>(1) + of::<Table>(1) + of::<Rows<HEADINGS>>(1);
+    let search = of::<u8>(CELLS) + of::<RangeLikelihoods>(1) + of::<EvidenceTable>(1) + of::<Rows<HEADINGS>>(1);
     let most = if detector > ring { detector } else { ring };
     // The raster of ranges takes two times CELLS, less than any ring does.
     if search > most { search } else { most }
@@ -47,9 +49,9 @@ pub(crate) fn detector(words: &mut [u32], width: u32, height: u32) -> Option<seg
 }
 
 /// For the windows.
-pub(crate) fn ring(words: &mut [u32], ring: Resolution) -> Option<level::Buffers<'_>> {
+pub(crate) fn ring(words: &mut [u32], ring: Resolution) -> Option<windows::Buffers<'_>> {
     let mut rest = Rest(words);
-    Some(level::Buffers {
+    Some(windows::Buffers {
         gray: rest.take(ring.cells())?,
         texture: rest.take(ring.cells())?,
         columns: rest.take(ring.columns() + 1)?,
@@ -74,8 +76,8 @@ pub(crate) fn support(words: &[u32]) -> Option<&[u8]> {
 #[derive(Debug)]
 pub(crate) struct Search<'a> {
     pub(crate) support: &'a [u8],
-    pub(crate) ranges: &'a mut Ranges,
-    pub(crate) table: &'a mut Table,
+    pub(crate) ranges: &'a mut RangeLikelihoods,
+    pub(crate) table: &'a mut EvidenceTable,
     pub(crate) rows: &'a mut Rows<HEADINGS>,
 }
 

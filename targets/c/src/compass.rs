@@ -4,26 +4,27 @@ use crate::types::{
     COMPASS_MAX_LAYERS, CompassCamera, CompassEstimate, CompassFix, CompassFrame, CompassMotion, CompassRoom,
     CompassScan, CompassStatus,
 };
-use compass_board::{Frame, Locator, sheets, words};
-use compass_core::attitude::Hint;
-use compass_core::camera::{Bearing, Rig, View};
-use compass_core::likelihood::Sheet;
-use compass_core::locate::Fix;
-use compass_core::num::{Metres, Point, Turn};
-use compass_core::plan::Plan;
-use compass_core::raster::{BitMask, GrayImage};
-use compass_core::scan::Scan;
-use compass_core::site::{Floor, Site};
-use compass_core::site_map::SiteMap;
-use compass_core::track::Track;
-use compass_core::windows::level::{Red, Resolution};
+use compass_board::{Frame, Locator, layers, words};
+use compass_core::vision::attitude::UpHint;
+use compass_core::vision::camera::{Bearing, Rig, View};
+use compass_core::pose::FloorLayer;
+use compass_core::pose::locate::Fix;
+use compass_core::base::num::{Metres, Point, Turn};
+use compass_core::map::plan::Plan;
+use compass_core::base::raster::{BitMask, GrayImage};
+use compass_core::base::scan::Scan;
+use compass_core::map::site::{Floor, Site};
+use compass_core::map::site_map::SiteMap;
+use compass_core::pose::track::Track;
+use compass_core::vision::sample::ExclusionMask;
+use compass_core::vision::panorama::Resolution;
 use core::slice;
 use heapless::Vec;
 
 /// All that COMPASS knows, in memory that the caller lends.
 #[derive(Debug)]
 pub struct Compass {
-    sheets: Vec<Sheet<'static>, COMPASS_MAX_LAYERS>,
+    layers: Vec<FloorLayer<'static>, COMPASS_MAX_LAYERS>,
     views: [Option<View>; 2],
     fix: Option<Fix>,
     track: Track,
@@ -76,7 +77,7 @@ pub unsafe extern "C" fn compass_new(memory: *mut u8, bytes: usize) -> *mut Comp
     // SAFETY: the caller's bytes, long enough and aligned: field by field the Compass, which is too large to be made on
     // the stack first, and behind it the words of scratch. Its size is a multiple of its alignment and so of a word's.
     unsafe {
-        (&raw mut (*compass).sheets).write(Vec::new());
+        (&raw mut (*compass).layers).write(Vec::new());
         (&raw mut (*compass).views).write([None; 2]);
         (&raw mut (*compass).fix).write(None);
         (&raw mut (*compass).track).write(Track::new());
@@ -107,7 +108,7 @@ pub unsafe extern "C" fn compass_add_site(
     if site.verify().is_err() {
         return CompassStatus::Site;
     }
-    compass.add(sheets(&site))
+    compass.add(layers(&site))
 }
 
 /// Adds one floor: its site map, and the packed plan it was made from, like a site file. Site, Full.
@@ -129,7 +130,7 @@ pub unsafe extern "C" fn compass_add_floor(
     if map.verify().is_err() || plan.verify().is_err() || Floor::new("floor", map, plan, None).is_err() {
         return CompassStatus::Site;
     }
-    compass.add(core::iter::once(Sheet { map, layer: 0, plan, floor: 0 }))
+    compass.add(core::iter::once(FloorLayer { map, number: 0, plan, floor: 0 }))
 }
 
 /// What surrounds a position in a layer's plan, cast with 360 rays; `x` and `y` as in CompassPose. Argument, Outside,
@@ -150,10 +151,10 @@ pub unsafe extern "C" fn compass_describe(
     let (Some(compass), Some(out)) = (unsafe { (compass.as_ref(), scan.as_mut()) }) else {
         return CompassStatus::Argument;
     };
-    let Some(sheet) = compass.sheets.get(usize::from(layer)) else { return CompassStatus::Argument };
+    let Some(floor_layer) = compass.layers.get(usize::from(layer)) else { return CompassStatus::Argument };
     let mut scan = Scan::OPEN;
     let at = Point::new(Metres::from_bits(x), Metres::from_bits(y));
-    match sheet.plan.scan(at, Turn::from_bits(heading), &mut scan) {
+    match floor_layer.plan.scan(at, Turn::from_bits(heading), &mut scan) {
         Ok(()) => {
             *out = CompassScan::from(&scan);
             CompassStatus::Ok
@@ -212,7 +213,7 @@ pub unsafe extern "C" fn compass_see(
             *lent = unsafe { frame_at(frame, view) };
         }
     }
-    let up = Hint::Up(Bearing::new(*x, *y, *z));
+    let up = UpHint::Up(Bearing::new(*x, *y, *z));
     compass.locator.see(&rig, &lent, up).map_or_else(CompassStatus::from, |()| CompassStatus::Ok)
 }
 
@@ -230,7 +231,7 @@ pub unsafe extern "C" fn compass_locate(
     let given = unsafe { (compass.as_mut(), room.as_ref(), fix.as_mut()) };
     let (Some(compass), Some(room), Some(out)) = given else { return CompassStatus::Argument };
     let (room, effort) = room.parts();
-    match compass.locator.locate(&compass.sheets, room, effort) {
+    match compass.locator.locate(&compass.layers, room, effort) {
         Ok(fix) => {
             *out = CompassFix::from(&fix);
             let found = fix.answer.best().is_some();
@@ -258,7 +259,7 @@ pub unsafe extern "C" fn compass_track(
     let (Some(compass), Some(out), motion) = given else { return CompassStatus::Argument };
     let Some(fix) = &compass.fix else { return CompassStatus::Order };
     let motion = motion.map(Into::into);
-    match compass.locator.track(&mut compass.track, &compass.sheets, fix, seconds, motion) {
+    match compass.locator.track(&mut compass.track, &compass.layers, fix, seconds, motion) {
         Ok(Some(estimate)) => {
             *out = CompassEstimate::from(&estimate);
             CompassStatus::Ok
@@ -282,12 +283,12 @@ pub unsafe extern "C" fn compass_forget(compass: *mut Compass) -> CompassStatus 
 
 impl Compass {
     /// Adds layers, all or none.
-    fn add(&mut self, layers: impl Iterator<Item = Sheet<'static>>) -> CompassStatus {
-        let before = self.sheets.len();
-        let floors = self.sheets.last().map_or(0, |sheet| sheet.floor + 1);
-        for sheet in layers {
-            if self.sheets.push(Sheet { floor: floors + sheet.floor, ..sheet }).is_err() {
-                self.sheets.truncate(before);
+    fn add(&mut self, layers: impl Iterator<Item = FloorLayer<'static>>) -> CompassStatus {
+        let before = self.layers.len();
+        let floors = self.layers.last().map_or(0, |floor_layer| floor_layer.floor + 1);
+        for floor_layer in layers {
+            if self.layers.push(FloorLayer { floor: floors + floor_layer.floor, ..floor_layer }).is_err() {
+                self.layers.truncate(before);
                 return CompassStatus::Full;
             }
         }
@@ -318,8 +319,8 @@ unsafe fn frame_at(frame: &CompassFrame, view: &View) -> Option<Frame<'static>> 
     // SAFETY: as before; rows begin at whole bytes.
     let red = unsafe { bytes_at(frame.red, width.div_ceil(8) as usize * height as usize) };
     let red = match red {
-        Some(bits) => Red::Mask(BitMask::new(bits, width, height).ok()?),
-        None => Red::Unknown,
+        Some(bits) => ExclusionMask::Mask(BitMask::new(bits, width, height).ok()?),
+        None => ExclusionMask::Unknown,
     };
     Some(Frame { gray: GrayImage::new(gray, width, height).ok()?, red })
 }

@@ -1,14 +1,14 @@
 //! What crosses the boundary, and how it becomes what the core knows.
 
 use compass_board::Error;
-use compass_core::boundary::height_rungs;
-use compass_core::camera::{Camera, Intrinsics, KannalaBrandt, View};
-use compass_core::likelihood::Mode;
-use compass_core::locate::{Effort, Fix, Room};
-use compass_core::num::Metres;
-use compass_core::plan::MarchError;
-use compass_core::scan::Scan;
-use compass_core::track::{Estimate, Motion};
+use compass_core::base::ladder::height_rungs;
+use compass_core::vision::camera::{Camera, Intrinsics, KannalaBrandt, View};
+use compass_core::pose::ScoredPose;
+use compass_core::pose::locate::{Effort, Fix, HeightPrior};
+use compass_core::base::num::Metres;
+use compass_core::map::plan::MarchError;
+use compass_core::base::scan::Scan;
+use compass_core::pose::track::{Estimate, Motion};
 use nalgebra::{Matrix3, Vector3};
 
 /// Directions of a scan: direction j looks along heading + j degrees, counter-clockwise.
@@ -20,9 +20,9 @@ pub const COMPASS_MAX_POSES: usize = 10;
 /// Most layers of floors that a Compass holds: of a site file two for each floor, the plan and its structure.
 pub const COMPASS_MAX_LAYERS: usize = 16;
 
-const _: () = assert!(COMPASS_BINS == compass_core::num::BINS);
-const _: () = assert!(COMPASS_STEP_MM == compass_core::scan::STEP_MM);
-const _: () = assert!(COMPASS_MAX_POSES == compass_core::matching::MAX_ALTERNATIVES);
+const _: () = assert!(COMPASS_BINS == compass_core::base::num::BINS);
+const _: () = assert!(COMPASS_STEP_MM == compass_core::base::scan::STEP_MM);
+const _: () = assert!(COMPASS_MAX_POSES == compass_core::descriptor::matching::MAX_ALTERNATIVES);
 
 /// What became of a call.
 #[repr(C)]
@@ -151,9 +151,9 @@ pub struct CompassRoom {
 }
 
 impl CompassRoom {
-    pub(crate) fn parts(&self) -> (Room, Effort) {
+    pub(crate) fn parts(&self) -> (HeightPrior, Effort) {
         let told = self.camera_height_m > 0.0;
-        let room = Room { height: told.then(|| height_rungs(self.camera_height_m)), ceiling: None };
+        let room = HeightPrior { height: told.then(|| height_rungs(self.camera_height_m)), ceiling: None };
         let effort = Effort::on_board(&room);
         (room, Effort { modes: self.places.into(), ceilings: self.ceilings.into(), ..effort })
     }
@@ -179,10 +179,10 @@ impl CompassPose {
     const NONE: Self = Self { x: 0, y: 0, heading: 0, score: 0, layer: 0 };
 }
 
-impl From<&Mode> for CompassPose {
-    fn from(mode: &Mode) -> Self {
+impl From<&ScoredPose> for CompassPose {
+    fn from(mode: &ScoredPose) -> Self {
         let [x, y] = [mode.at.x, mode.at.y].map(Metres::to_bits);
-        Self { x, y, heading: mode.heading.to_bits(), score: mode.score, layer: mode.sheet }
+        Self { x, y, heading: mode.heading.to_bits(), score: mode.score, layer: mode.layer }
     }
 }
 

@@ -3,9 +3,9 @@
 #![no_main]
 
 use compass_core::descriptor::Descriptor;
-use compass_core::num::{Metres, Point, Turn};
-use compass_core::plan::Plan;
-use compass_core::scan::{Hit, Scan};
+use compass_core::base::num::{Metres, Point, Turn};
+use compass_core::map::plan::Plan;
+use compass_core::base::scan::{Hit, Scan};
 use compass_firmware::files::refuse;
 use cortex_m_rt::entry;
 use semihosting::{println, process};

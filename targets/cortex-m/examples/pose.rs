@@ -3,9 +3,9 @@
 #![no_main]
 
 use compass_board::{Error, Locator, words};
-use compass_core::boundary::height_rungs;
-use compass_core::locate::{Effort, Fix, Room};
-use compass_core::windows::level::Resolution;
+use compass_core::base::ladder::height_rungs;
+use compass_core::pose::locate::{Effort, Fix, HeightPrior};
+use compass_core::vision::panorama::Resolution;
 use compass_firmware::files::refuse;
 use compass_golden::{Inputs, UP, frames, rig};
 use cortex_m_rt::entry;
@@ -14,11 +14,11 @@ use semihosting::{println, process};
 type Eyes = Locator<[u32; words(368, 360, Resolution::COARSE)]>;
 
 fn locate(eyes: &mut Eyes) -> Result<Fix, Error> {
-    // A product's frames come from its cameras, its lenses from a calibration, its sheets from a site file:
-    // `compass_board::sheets`.
+    // A product's frames come from its cameras, its lenses from a calibration, its layers from a site file:
+    // `compass_board::layers`.
     eyes.see(&rig(), &frames(), UP)?;
-    let room = Room { height: Some(height_rungs(1.6)), ceiling: None };
-    eyes.locate(&[Inputs::SAMPLE.sheet()], room, Effort::on_board(&room))
+    let room = HeightPrior { height: Some(height_rungs(1.6)), ceiling: None };
+    eyes.locate(&[Inputs::SAMPLE.layer()], room, Effort::on_board(&room))
 }
 
 #[entry]

@@ -3,10 +3,10 @@
 #![no_main]
 
 use compass_board::{Error, Locator, words};
-use compass_core::boundary::height_rungs;
-use compass_core::locate::{Effort, Room};
-use compass_core::track::{Motion, Track};
-use compass_core::windows::level::Resolution;
+use compass_core::base::ladder::height_rungs;
+use compass_core::pose::locate::{Effort, HeightPrior};
+use compass_core::pose::track::{Motion, Track};
+use compass_core::vision::panorama::Resolution;
 use compass_firmware::files::refuse;
 use compass_golden::{Inputs, UP, frames, rig};
 use cortex_m_rt::entry;
@@ -19,14 +19,14 @@ const SECONDS: f32 = 0.5;
 const MOTION: Motion = Motion { forward_m: 0.0, left_m: 0.0, turn: 0.0 };
 
 fn follow(eyes: &mut Eyes, track: &mut Track) -> Result<(), Error> {
-    let sheets = [Inputs::SAMPLE.sheet()];
-    let room = Room { height: Some(height_rungs(1.6)), ceiling: None };
+    let layers = [Inputs::SAMPLE.layer()];
+    let room = HeightPrior { height: Some(height_rungs(1.6)), ceiling: None };
     for number in 0..3 {
         // The next frames: here, the same again.
         eyes.see(&rig(), &frames(), UP)?;
-        let fix = eyes.locate(&sheets, room, Effort::on_board(&room))?;
+        let fix = eyes.locate(&layers, room, Effort::on_board(&room))?;
         let since = if number == 0 { (0.0, None) } else { (SECONDS, Some(MOTION)) };
-        let Some(now) = eyes.track(track, &sheets, &fix, since.0, since.1)? else { continue };
+        let Some(now) = eyes.track(track, &layers, &fix, since.0, since.1)? else { continue };
         let at = now.mode.at;
         println!(
             "x {:.2} m, y {:.2} m, probability {:.2}, spread {:.2} m",

@@ -2,13 +2,13 @@
 
 use crate::Eyes;
 use compass_board::{Error, Frame, Locator};
-use compass_core::attitude::Hint;
-use compass_core::boundary::height_rungs;
-use compass_core::likelihood::{Mode, Sheet};
-use compass_core::locate::{Effort, Fix, Room};
-use compass_core::shot::Shot;
-use compass_core::track::{Estimate, Track};
-use compass_core::windows::level::Red;
+use compass_core::vision::attitude::UpHint;
+use compass_core::base::ladder::height_rungs;
+use compass_core::pose::{ScoredPose, FloorLayer};
+use compass_core::pose::locate::{Effort, Fix, HeightPrior};
+use compass_core::vision::shot::Shot;
+use compass_core::pose::track::{Estimate, Track};
+use compass_core::vision::sample::ExclusionMask;
 use core::fmt;
 
 /// Below an even chance the answer is "I don't know".
@@ -41,28 +41,28 @@ impl Chain {
     /// [`Error`].
     pub fn run(
         &mut self,
-        sheets: &[Sheet<'_>],
+        layers: &[FloorLayer<'_>],
         shot: &Shot<'_>,
         meter: &mut impl Meter,
     ) -> Result<Found, Error> {
         let header = shot.header();
         let rig = &header.rig;
-        let frames = shot.images().map(|image| image.map(|(gray, red)| Frame { gray, red: Red::Mask(red) }));
+        let frames = shot.images().map(|image| image.map(|(gray, red)| Frame { gray, red: ExclusionMask::Mask(red) }));
         let eyes = &mut self.eyes;
         for ((camera, frame), name) in frames.iter().enumerate().zip(["segments", "segments_back"]) {
             if let Some(frame) = frame {
                 meter.step(name, || eyes.detect(rig, camera, frame))?;
             }
         }
-        meter.step("attitude", || eyes.level(rig, Hint::Up(header.up)))?;
+        meter.step("attitude", || eyes.level(rig, UpHint::Up(header.up)))?;
         meter.step("windows", || eyes.look(rig, &frames))?;
         meter.step("ranges", || eyes.survey(rig, &frames))?;
-        let room = Room { height: header.height_m.map(height_rungs), ceiling: None };
-        let fix = meter.step("locate", || eyes.locate(sheets, room, Effort::on_board(&room)))?;
+        let room = HeightPrior { height: header.height_m.map(height_rungs), ceiling: None };
+        let fix = meter.step("locate", || eyes.locate(layers, room, Effort::on_board(&room)))?;
         let passed_ns = self.last_ns.map_or(0, |last| header.time_ns.saturating_sub(last));
         let seconds = passed_ns as f32 * 1e-9;
         let track = &mut self.track;
-        let estimate = meter.step("track", || eyes.track(track, sheets, &fix, seconds, None))?;
+        let estimate = meter.step("track", || eyes.track(track, layers, &fix, seconds, None))?;
         self.last_ns = Some(header.time_ns);
         Ok(Found { fix, estimate, height_m: header.height_m })
     }
@@ -97,7 +97,7 @@ impl fmt::Display for Found {
                 let height = self.height_m.unwrap_or_else(|| self.fix.height_m());
                 let margin = self.fix.answer.margin() as f32 / 16.0;
                 let probability = self.fix.probability();
-                write!(f, "pose {} sheet {} camera {height:.2} m", Pose(best), best.sheet)?;
+                write!(f, "pose {} layer {} camera {height:.2} m", Pose(best), best.layer)?;
                 writeln!(f, " margin {margin:.1} nats probability {probability:.2}")?;
                 writeln!(f, "bits {}", Bits(best))?;
             }
@@ -112,21 +112,21 @@ impl fmt::Display for Found {
     }
 }
 
-struct Pose<'a>(&'a Mode);
+struct Pose<'a>(&'a ScoredPose);
 
 impl fmt::Display for Pose<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Mode { at, heading, .. } = self.0;
+        let ScoredPose { at, heading, .. } = self.0;
         let degrees = heading.to_microdegrees() as f32 * 1e-6;
         write!(f, "x {:.3} y {:.3} heading {degrees:.2}", at.x, at.y)
     }
 }
 
-struct Bits<'a>(&'a Mode);
+struct Bits<'a>(&'a ScoredPose);
 
 impl fmt::Display for Bits<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Mode { at, heading, score, .. } = self.0;
+        let ScoredPose { at, heading, score, .. } = self.0;
         write!(f, "{:016x} {:016x} {:08x} {score}", at.x.to_bits(), at.y.to_bits(), heading.to_bits())
     }
 }

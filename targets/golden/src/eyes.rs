@@ -1,10 +1,11 @@
 //! What the eyes of the sample see: two frames of 368 x 360 pixels.
 
 use compass_board::{Frame, Locator, words};
-use compass_core::attitude::Hint;
-use compass_core::camera::{Bearing, Camera, Intrinsics, KannalaBrandt, Rig, View};
-use compass_core::raster::{BitMask, GrayImage};
-use compass_core::windows::level::{Red, Resolution};
+use compass_core::vision::attitude::UpHint;
+use compass_core::vision::camera::{Bearing, Camera, Intrinsics, KannalaBrandt, Rig, View};
+use compass_core::base::raster::{BitMask, GrayImage};
+use compass_core::vision::sample::ExclusionMask;
+use compass_core::vision::panorama::Resolution;
 
 /// Size of the frames.
 const WIDTH: u16 = 368;
@@ -39,12 +40,12 @@ pub fn frames() -> [Option<Frame<'static>>; 2] {
         let (width, height) = (WIDTH.into(), HEIGHT.into());
         let gray = GrayImage::new(gray, width, height).expect("the frame has its size");
         let red = BitMask::new(red, width, height).expect("the mask is of the frame's size");
-        Some(Frame { gray, red: Red::Mask(red) })
+        Some(Frame { gray, red: ExclusionMask::Mask(red) })
     })
 }
 
 /// The rig hangs upside down.
-pub const UP: Hint = Hint::Up(Bearing::new(0.0, 1.0, 0.0));
+pub const UP: UpHint = UpHint::Up(Bearing::new(0.0, 1.0, 0.0));
 
 /// The nominal rig of `compass-host`, for frames half as wide and high.
 ///

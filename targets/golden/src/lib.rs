@@ -14,18 +14,20 @@ mod eyes;
 
 pub use chain::{Chain, Found, Meter};
 use compass_board::Locator;
-use compass_core::boundary::height_rungs;
+use compass_core::base::ladder::height_rungs;
 use compass_core::descriptor::Descriptor;
-use compass_core::likelihood::{Mode, Sheet};
-use compass_core::locate::{Effort, Fix, Room};
-use compass_core::matching::{Answer, Board, Exact, GROUP, Group, Index, Match, exhaustive, shortlist};
-use compass_core::num::{BINS, Metres, Point, Score, Turn, Unit};
-use compass_core::plan::Plan;
-use compass_core::scan::Scan;
-use compass_core::similarity::{Confidence, Query, Similarity, Weights};
-use compass_core::site_map::{SiteMap, SketchQuery};
-use compass_core::spectrum::{Complex, MAX_POINTS, forward};
-use compass_core::track::{Estimate, Motion, Track};
+use compass_core::pose::{ScoredPose, FloorLayer};
+use compass_core::pose::locate::{Effort, Fix, HeightPrior};
+use compass_core::descriptor::matching::{Answer, Board, Exact, GROUP, Group, Index, Match, exhaustive, shortlist};
+use compass_core::base::num::{BINS, Metres, Point, Score, Turn, Unit};
+use compass_core::map::plan::Plan;
+use compass_core::base::scan::Scan;
+use compass_core::base::confidence::Confidence;
+use compass_core::descriptor::similarity::{Query, Similarity, Weights};
+use compass_core::map::site_map::SiteMap;
+use compass_core::descriptor::sketch::{Sketch, SketchQuery};
+use compass_core::descriptor::spectrum::{Complex, MAX_POINTS, forward};
+use compass_core::pose::track::{Estimate, Motion, Track};
 use core::fmt::{self, Write as _};
 use crc::{CRC_32_ISO_HDLC, Crc, Digest};
 pub use eyes::{Eyes, UP, frames, rig};
@@ -99,13 +101,13 @@ impl<'a> Inputs<'a> {
         SiteMap::new(self.map).expect("the input is a site map")
     }
 
-    /// Map and plan as one sheet.
+    /// Map and plan as one layer.
     ///
     /// # Panics
     /// If they are none.
     #[must_use]
-    pub fn sheet(&self) -> Sheet<'a> {
-        Sheet { map: self.map(), layer: 0, plan: self.plan(), floor: 0 }
+    pub fn layer(&self) -> FloorLayer<'a> {
+        FloorLayer { map: self.map(), number: 0, plan: self.plan(), floor: 0 }
     }
 }
 
@@ -431,7 +433,7 @@ fn correlate(inputs: &Inputs<'_>, workspace: &mut Workspace) {
 fn rank(inputs: &Inputs<'_>, workspace: &mut Workspace) {
     let sketch = SketchQuery::new(&workspace.query);
     for (rank, record) in workspace.ranks.iter_mut().zip(inputs.map().iter()) {
-        *rank = sketch.rank(&record.sketch());
+        *rank = sketch.rank(&Sketch::stored(&record.plan_layer()));
     }
 }
 
@@ -480,8 +482,8 @@ fn ranges(_: &Inputs<'_>, workspace: &mut Workspace) {
 
 /// The pose of the frames, from what the eyes saw: searched on the whole map and refined on the plan.
 fn locate_frames(inputs: &Inputs<'_>, workspace: &mut Workspace) {
-    let room = Room { height: Some(height_rungs(CAMERA_HEIGHT_M)), ceiling: None };
-    let fix = workspace.eyes.locate(&[inputs.sheet()], room, Effort::on_board(&room));
+    let room = HeightPrior { height: Some(height_rungs(CAMERA_HEIGHT_M)), ceiling: None };
+    let fix = workspace.eyes.locate(&[inputs.layer()], room, Effort::on_board(&room));
     workspace.fix = Some(fix.expect("the ranges are known"));
 }
 
@@ -492,7 +494,7 @@ fn track_frames(inputs: &Inputs<'_>, workspace: &mut Workspace) {
     let moved = Motion { forward_m: 0.03, left_m: -0.01, turn: 0.02 };
     *track = Track::new();
     for (seconds, motion) in [(0.0, None), (0.2, Some(moved))] {
-        let step = eyes.track(track, &[inputs.sheet()], fix, seconds, motion);
+        let step = eyes.track(track, &[inputs.layer()], fix, seconds, motion);
         *estimate = step.expect("the ranges are known");
     }
 }
@@ -513,7 +515,7 @@ fn estimate_words(estimate: Option<&Estimate>) -> impl Iterator<Item = u32> + '_
     })
 }
 
-fn mode_words(mode: &Mode) -> [u32; 6] {
+fn mode_words(mode: &ScoredPose) -> [u32; 6] {
     let [x, y] = [mode.at.x, mode.at.y].map(Metres::to_bits);
     [x as u32, (x >> 32) as u32, y as u32, (y >> 32) as u32, mode.heading.to_bits(), mode.score as u32]
 }

@@ -18,8 +18,8 @@ use crate::site::{BuildOptions, PackedPlan};
 use crate::site_file::{SiteFile, floor_bytes};
 use crate::surroundings::Surroundings;
 use anyhow::{Context as _, Result};
-use compass_core::boundary::Ranges;
-use compass_core::locate::Room;
+use compass_core::pose::locate::HeightPrior;
+use compass_core::vision::boundary::RangeLikelihoods;
 use std::path::Path;
 use std::time::Instant;
 
@@ -65,10 +65,10 @@ pub(super) fn run(dir: &Path, raster: &PlanRaster, plan: &PackedPlan) -> Result<
     let seen = eyes.windows(frames, &up)?;
     let (sighting, level, windows) = (seen.sighting, seen.level, seen.windows.to_vec());
     let survey = eyes.survey(frames, &up)?;
-    let fix = locator.locate(&survey, Room::default(), &sighting);
+    let fix = locator.locate(&survey, HeightPrior::default(), &sighting);
     let milliseconds = started.elapsed().as_secs_f64() * 1e3;
     let height_m = fix.height_m();
-    let mut ranges = Box::new(Ranges::EMPTY);
+    let mut ranges = Box::new(RangeLikelihoods::EMPTY);
     survey.ranges(fix.ceiling, &mut ranges);
     let surroundings = Surroundings::new(&ranges, &sighting, Some(height_m));
     let truth = plan.scan([x, y], heading)?;

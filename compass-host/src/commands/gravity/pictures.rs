@@ -5,10 +5,10 @@ use crate::figures::{self, Layer};
 use crate::frame::Frame;
 use crate::output::create_dir;
 use anyhow::Result;
-use compass_core::attitude::{Arc, Axes};
-use compass_core::camera::{Bearing, View};
-use compass_core::segments::Segment;
-use compass_core::windows::level::Level;
+use compass_core::vision::attitude::{Arc, Axes};
+use compass_core::vision::camera::{Bearing, View};
+use compass_core::vision::level_frame::LevelFrame;
+use compass_core::vision::segments::Segment;
 use plotters::style::RGBColor;
 use std::path::Path;
 
@@ -25,7 +25,7 @@ const RING: f64 = 0.012;
 pub(super) struct Lines<'a> {
     pub(super) frames: [Option<&'a Frame>; 2],
     pub(super) eyes: &'a Eyes,
-    pub(super) level: &'a Level,
+    pub(super) level: &'a LevelFrame,
     pub(super) axes: Option<Axes>,
 }
 

@@ -7,11 +7,11 @@ use crate::commands::Outcome;
 use crate::commands::cameras::{CameraArgs, Cameras};
 use crate::locator::Locator;
 use crate::output::{Decimal, JsonOption};
-use crate::site_file::{SiteFile, Storey};
+use crate::site_file::{SiteFile, SiteFloor};
 use anyhow::{Context as _, Result};
-use compass_core::boundary::height_rungs;
-use compass_core::likelihood::{Mode, Sheet};
-use compass_core::locate::Room;
+use compass_core::base::ladder::height_rungs;
+use compass_core::pose::locate::HeightPrior;
+use compass_core::pose::{FloorLayer, ScoredPose};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -78,10 +78,10 @@ pub(super) fn run(
     clock.stage("windows");
     let survey = eyes.survey(frames, &up).with_context(|| name.clone())?;
     clock.stage("ranges");
-    let room = Room { height: height_m.map(height_rungs), ceiling: None };
+    let room = HeightPrior { height: height_m.map(height_rungs), ceiling: None };
     let fix = locator.locate(&survey, room, &sighting);
     clock.stage("locate");
-    let poses: Vec<_> = fix.answer.modes().iter().map(|m| pose(m, locator.sheets(), &storeys)).collect();
+    let poses: Vec<_> = fix.answer.modes().iter().map(|m| pose(m, locator.layers(), &storeys)).collect();
     let probability = f64::from(fix.probability());
     let (Some(best), Some(mode)) = (poses.first().copied(), fix.answer.best()) else {
         json.emit(&Unsure { probability: Decimal(0.0), candidates: poses }, "no pose found\n")?;
@@ -98,7 +98,7 @@ pub(super) fn run(
     let errors = truth.map(|(at, heading)| best.error(at, heading));
     locator.weigh(&survey, [fix.height, fix.ceiling], &sighting);
     let walls = walls(mode, &locator, &storeys);
-    let layer = locator.sheets().get(usize::from(mode.sheet)).map_or(0, |sheet| usize::from(sheet.layer));
+    let layer = locator.layers().get(usize::from(mode.layer)).map_or(0, |layer| usize::from(layer.number));
     let output = Output {
         floor: best.floor,
         x: best.x,
@@ -121,26 +121,30 @@ pub(super) fn run(
 }
 
 /// The walls of the plan as drawn, by the evidence that the locator holds.
-fn walls(mode: &Mode, locator: &Locator<'_>, storeys: &[Storey<'_>]) -> Walls {
+fn walls(mode: &ScoredPose, locator: &Locator<'_>, storeys: &[SiteFloor<'_>]) -> Walls {
     let mut walls = Walls::default();
-    if let Some(plan) = storey(mode, locator.sheets(), storeys).and_then(|storey| storey.floor?.plan(0)) {
+    if let Some(plan) = storey(mode, locator.layers(), storeys).and_then(|storey| storey.floor?.plan(0)) {
         walls.add(&plan, mode, locator.table());
     }
     walls
 }
 
-fn pose<'a>(mode: &Mode, sheets: &[Sheet<'_>], storeys: &[Storey<'a>]) -> Pose<'a> {
-    let name = storey(mode, sheets, storeys).and_then(Storey::name);
+fn pose<'a>(mode: &ScoredPose, layers: &[FloorLayer<'_>], storeys: &[SiteFloor<'a>]) -> Pose<'a> {
+    let name = storey(mode, layers, storeys).and_then(SiteFloor::name);
     pose_of(mode, name.filter(|_| storeys.len() > 1))
 }
 
 /// The floor that a mode is on.
-fn storey<'s, 'a>(mode: &Mode, sheets: &[Sheet<'_>], storeys: &'s [Storey<'a>]) -> Option<&'s Storey<'a>> {
-    storeys.get(usize::from(sheets.get(usize::from(mode.sheet))?.floor))
+fn storey<'s, 'a>(
+    mode: &ScoredPose,
+    layers: &[FloorLayer<'_>],
+    storeys: &'s [SiteFloor<'a>],
+) -> Option<&'s SiteFloor<'a>> {
+    storeys.get(usize::from(layers.get(usize::from(mode.layer))?.floor))
 }
 
 /// A mode as it is reported, with the floor where there are several.
-pub(in crate::commands) fn pose_of<'a>(mode: &Mode, floor: Option<&'a str>) -> Pose<'a> {
+pub(in crate::commands) fn pose_of<'a>(mode: &ScoredPose, floor: Option<&'a str>) -> Pose<'a> {
     Pose {
         floor,
         x: Decimal(mode.at.x.to_num()),

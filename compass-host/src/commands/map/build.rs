@@ -9,7 +9,7 @@ use crate::plan_import::structure::{DEFAULT_THICKNESS_M, StructureError, keep_st
 use crate::site::{BuildOptions, PackedPlan};
 use crate::site_file::floor_bytes;
 use anyhow::{Context as _, Result};
-use compass_core::site::{MAX_NAME_BYTES, Site, is_name};
+use compass_core::map::site::{MAX_NAME_BYTES, Site, is_name};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;

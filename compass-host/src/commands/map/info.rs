@@ -2,9 +2,9 @@
 
 use crate::commands::Outcome;
 use crate::output::{Decimal, JsonOption};
-use crate::site_file::{SiteFile, Storey};
+use crate::site_file::{SiteFile, SiteFloor};
 use anyhow::Result;
-use compass_core::site_map::SiteMap;
+use compass_core::map::site_map::SiteMap;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -72,7 +72,7 @@ impl Info {
 }
 
 impl<'a> DescribedFloor<'a> {
-    fn of(storey: &Storey<'a>) -> Self {
+    fn of(storey: &SiteFloor<'a>) -> Self {
         let plans = storey.floor.iter().flat_map(|floor| (0..floor.layers()).map_while(|n| floor.plan(n)));
         Self {
             name: storey.name(),

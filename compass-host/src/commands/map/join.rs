@@ -4,7 +4,7 @@ use crate::commands::Outcome;
 use crate::output::{JsonOption, write_file};
 use crate::site_file::{SiteFile, site_bytes};
 use anyhow::{Context as _, Result, bail};
-use compass_core::site::Floor;
+use compass_core::map::site::Floor;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 

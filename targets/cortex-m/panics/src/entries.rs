@@ -1,31 +1,35 @@
 //! The public entry points of `compass-core`, by module in its reading order. Displaying errors is left out: that is
 //! `core::fmt`'s.
 
-use compass_core::as_built;
-use compass_core::attitude::{self, Arc, Axes, Vertical};
-use compass_core::boundary::{self, Ranges, Survey, Surveyor};
-use compass_core::camera::{Camera, Equidistant, Eucm, KannalaBrandt, Rig, View};
+use compass_core::pose::wall_check;
+use compass_core::vision::attitude::{self, Arc, Axes, Vertical};
+use compass_core::vision::boundary::{self, RangeLikelihoods, BoundaryEvidence, BoundaryFinder};
+use compass_core::vision::camera::{Camera, Equidistant, Eucm, KannalaBrandt, Rig, View};
 use compass_core::descriptor::{self, Descriptor};
-use compass_core::likelihood::{self, Mode, Rows, Sheet, Table};
-use compass_core::locate::{self, Fix};
-use compass_core::matching::{self, Board, Group, Index};
-use compass_core::num::{BINS, Point, Turn};
-use compass_core::plan::{self, Frame, MarchError, Plan};
-use compass_core::raster::{BitMask, GrayImage, RgbImage};
-use compass_core::scan::{Hit, Scan};
-use compass_core::segments;
-use compass_core::shot::{self, Shot};
+use compass_core::pose::{self, ScoredPose, Rows, FloorLayer};
+use compass_core::pose::evidence::EvidenceTable;
+use compass_core::pose::locate::{self, Fix};
+use compass_core::descriptor::matching::{self, Board, Group, Index};
+use compass_core::base::num::{BINS, Point, Turn};
+use compass_core::map::plan::{self, Frame, MarchError, Plan};
+use compass_core::base::raster::{BitMask, GrayImage, RgbImage};
+use compass_core::base::scan::{Hit, Scan};
+use compass_core::vision::segments;
+use compass_core::vision::shot::{self, Shot};
 use compass_core::sight;
-use compass_core::signature::Signature;
-use compass_core::similarity::{Candidate, Confidence, Peak, Profile, Query};
-use compass_core::site::{self, Floor, Site};
-use compass_core::site_map::{
-    self, Header, Layer, LayerView, PackedScan, Record, Sink, SiteMap, Sketch, SketchQuery,
-};
-use compass_core::spectrum::{self, Correlator, Extent};
-use compass_core::track::{Track, Usual};
-use compass_core::windows::level::{self, Edge, Finder, Level, Resolution, Upright, Window};
-use compass_core::windows::paper;
+use compass_core::descriptor::signature::Signature;
+use compass_core::descriptor::similarity::{Candidate, Peak, Profile, Query};
+use compass_core::base::confidence::Confidence;
+use compass_core::map::site::{self, Floor, Site};
+use compass_core::map::site_map::{self, Header, Layer, LayerView, PackedScan, Record, Sink, SiteMap};
+use compass_core::descriptor::sketch::{Sketch, SketchQuery};
+use compass_core::descriptor::spectrum::{self, Correlator, Extent};
+use compass_core::pose::track::Track;
+use compass_core::pose::heights::HeightMemory;
+use compass_core::vision::windows::{self, Edge, WindowFinder, Upright, Window};
+use compass_core::vision::level_frame::LevelFrame;
+use compass_core::vision::panorama::Resolution;
+use compass_core::descriptor::windows;
 
 /// Headings of the search under evidence.
 const HEADINGS: usize = 90;
@@ -131,21 +135,21 @@ pub(crate) static ALL: &[Entry] = &entries![
     matching::shortlist,
     matching::exhaustive,
     // likelihood
-    Table::plane,
-    Table::get,
-    Table::set,
-    Table::set_plane,
-    Table::at,
+    EvidenceTable::plane,
+    EvidenceTable::get,
+    EvidenceTable::set,
+    EvidenceTable::set_plane,
+    EvidenceTable::at,
     likelihood::plane_of,
     Rows::<HEADINGS>::set,
     Rows::<HEADINGS>::planes,
     Rows::<HEADINGS>::planes_of_packed,
     Rows::<HEADINGS>::scores,
     search,
-    likelihood::approach,
-    likelihood::polish,
+    likelihood::refine_coarse,
+    likelihood::refine_final,
     likelihood::refine,
-    likelihood::settle,
+    likelihood::refine_fine,
     likelihood::answer,
     likelihood::Answer::modes,
     likelihood::Answer::best,
@@ -183,13 +187,13 @@ pub(crate) static ALL: &[Entry] = &entries![
     Axes::axis_of,
     // windows
     Resolution::of,
-    Level::new,
-    Level::up,
-    Level::bearing,
-    Level::direction,
-    Finder::new,
-    Finder::add,
-    Finder::finish,
+    LevelFrame::new,
+    LevelFrame::up,
+    LevelFrame::bearing,
+    LevelFrame::direction,
+    WindowFinder::new,
+    WindowFinder::add,
+    WindowFinder::finish,
     visit_edges,
     Window::azimuth_deg,
     Window::elevation_deg,
@@ -199,20 +203,20 @@ pub(crate) static ALL: &[Entry] = &entries![
     level::image_box,
     paper::find,
     // boundary, sight
-    Surveyor::new,
-    Surveyor::add,
-    Surveyor::finish,
+    BoundaryFinder::new,
+    BoundaryFinder::add,
+    BoundaryFinder::finish,
     boundary::height_rungs,
     boundary::height_m,
-    Survey::new,
-    Survey::ceilings,
-    Survey::ranges,
-    Survey::likeliest,
-    Ranges::ceiling_ratio,
-    Ranges::heights,
-    Ranges::knows,
-    Ranges::row,
-    Ranges::range,
+    BoundaryEvidence::new,
+    BoundaryEvidence::ceilings,
+    BoundaryEvidence::ranges,
+    BoundaryEvidence::likeliest,
+    RangeLikelihoods::ceiling_ratio,
+    RangeLikelihoods::heights,
+    RangeLikelihoods::knows,
+    RangeLikelihoods::row,
+    RangeLikelihoods::range,
     sight::evidence,
     sight::scan,
     as_built::compare,
@@ -221,9 +225,9 @@ pub(crate) static ALL: &[Entry] = &entries![
     Fix::height_m,
     Fix::probability,
     Fix::is_sure,
-    Usual::learn,
-    Usual::room,
-    Usual::is_like,
+    HeightMemory::learn,
+    HeightMemory::room,
+    HeightMemory::is_like,
     Track::step,
     Track::estimate,
     hypotheses,
@@ -252,11 +256,11 @@ fn correlate(correlator: &mut Correlator, values: &[[i16; BINS]], out: &mut [i32
 
 fn search(
     rows: &Rows<HEADINGS>,
-    sheets: &[Sheet<'_>],
+    layers: &[FloorLayer<'_>],
     among: &dyn Fn(u8, usize) -> bool,
-    pool: &mut [Mode],
+    pool: &mut [ScoredPose],
 ) -> usize {
-    likelihood::search(rows, sheets, among, pool)
+    likelihood::search(rows, layers, among, pool)
 }
 
 struct Bytes<'a>(&'a mut dyn FnMut(&[u8]) -> bool);
@@ -298,6 +302,6 @@ fn visit_edges(uprights: &mut [Upright], resolution: Resolution, visit: &mut dyn
     level::visit_edges(uprights, resolution, visit);
 }
 
-fn hypotheses(track: &Track, visit: &mut dyn FnMut(Mode, f32)) {
+fn hypotheses(track: &Track, visit: &mut dyn FnMut(ScoredPose, f32)) {
     track.hypotheses().for_each(|(mode, probability)| visit(mode, probability));
 }

@@ -10,9 +10,9 @@
 #![no_main]
 
 use compass_board::Error;
-use compass_core::likelihood::Sheet;
-use compass_core::shot::Shot;
-use compass_core::site::{MAX_FLOORS, Site};
+use compass_core::pose::FloorLayer;
+use compass_core::vision::shot::Shot;
+use compass_core::map::site::{MAX_FLOORS, Site};
 use compass_firmware::counter::Counter;
 use compass_firmware::files::{self, refuse};
 use compass_firmware::{image, stack};
@@ -47,7 +47,7 @@ impl Meter for Steps {
 #[entry]
 fn main() -> ! {
     static mut CHAIN: Chain = Chain::new();
-    static mut SHEETS: Vec<Sheet<'static>, MAX_SHEETS> = Vec::new();
+    static mut SHEETS: Vec<FloorLayer<'static>, MAX_SHEETS> = Vec::new();
     let arguments = files::arguments();
     let mut paths = (&arguments).skip(1).flatten();
     let mut next = || paths.next().unwrap_or_else(|| refuse("usage", &"-append \"SITE SHOT...\""));
@@ -56,7 +56,7 @@ fn main() -> ! {
     let (bytes, memory) = files::read(path, unsafe { files::external() });
     let site = Site::new(bytes).and_then(|site| site.verify().map(|()| site));
     let site = site.unwrap_or_else(|error| refuse(path, &error));
-    SHEETS.extend(compass_board::sheets(&site));
+    SHEETS.extend(compass_board::layers(&site));
     let mut steps = Steps { counter: Counter::start(), instructions: 0, stack: 0 };
     let mut known = true;
     for path in iter::once(first).chain(paths) {
@@ -78,12 +78,12 @@ fn main() -> ! {
 /// Whether the pose of what the cameras took is known.
 fn localize(
     chain: &mut Chain,
-    sheets: &[Sheet<'_>],
+    layers: &[FloorLayer<'_>],
     shot: &Shot<'_>,
     steps: &mut Steps,
 ) -> Result<bool, Error> {
     steps.instructions = 0;
-    let found = match chain.run(sheets, shot, steps) {
+    let found = match chain.run(layers, shot, steps) {
         Err(error @ Error::Up) => {
             println!("pose none: {error}");
             return Ok(false);

@@ -1,8 +1,8 @@
 //! What the firmware of the same name finds, on the host or on (emulated) ARM Linux: `localize SITE SHOT...`.
 
-use compass_board::sheets;
-use compass_core::shot::Shot;
-use compass_core::site::Site;
+use compass_board::layers;
+use compass_core::vision::shot::Shot;
+use compass_core::map::site::Site;
 use compass_golden::{Chain, Meter};
 use std::error::Error;
 use std::process::ExitCode;
@@ -38,7 +38,7 @@ fn run() -> Result<bool, Box<dyn Error>> {
     let bytes = std::fs::read(&path).map_err(|e| in_file(&path, &e))?;
     let site =
         Site::new(&bytes).and_then(|site| site.verify().map(|()| site)).map_err(|e| in_file(&path, &e))?;
-    let sheets: Vec<_> = sheets(&site).collect();
+    let layers: Vec<_> = layers(&site).collect();
     let mut chain = CHAIN.lock().expect("nobody else holds it");
     let mut known = true;
     for path in paths {
@@ -47,7 +47,7 @@ fn run() -> Result<bool, Box<dyn Error>> {
             .and_then(|shot| shot.verify().map(|()| shot))
             .map_err(|e| in_file(&path, &e))?;
         println!("shot {path}");
-        match chain.run(&sheets, &shot, &mut Unmeasured) {
+        match chain.run(&layers, &shot, &mut Unmeasured) {
             Ok(found) => {
                 println!("{found}");
                 known &= found.is_known();

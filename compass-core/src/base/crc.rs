@@ -1,0 +1,53 @@
+//! Checksums of the file formats, and the sink that files are written to.
+
+/// CRC-32 (ISO-HDLC, the one of zip and PNG): the checksum of all formats.
+pub(crate) static CRC32: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
+
+/// Where the bytes go.
+pub trait Sink {
+    /// Why bytes could not be stored.
+    type Error;
+
+    /// Appends bytes.
+    ///
+    /// # Errors
+    /// Whatever the sink reports.
+    fn append(&mut self, bytes: &[u8]) -> Result<(), Self::Error>;
+}
+
+impl<S: Sink> Sink for &mut S {
+    type Error = S::Error;
+    fn append(&mut self, bytes: &[u8]) -> Result<(), S::Error> {
+        (**self).append(bytes)
+    }
+}
+
+/// A sink and the checksum of what went into it.
+pub(crate) struct Summed<S> {
+    sink: S,
+    digest: crc::Digest<'static, u32>,
+}
+
+impl<S: core::fmt::Debug> core::fmt::Debug for Summed<S> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Summed").field("sink", &self.sink).finish_non_exhaustive()
+    }
+}
+
+impl<S: Sink> Summed<S> {
+    pub(crate) fn new(sink: S) -> Self {
+        Self { sink, digest: CRC32.digest() }
+    }
+
+    pub(crate) fn append(&mut self, bytes: &[u8]) -> Result<(), S::Error> {
+        self.digest.update(bytes);
+        self.sink.append(bytes)
+    }
+
+    /// Appends the checksum of everything before it.
+    pub(crate) fn finish(mut self) -> Result<S, S::Error> {
+        let crc = self.digest.finalize().to_le_bytes();
+        self.sink.append(&crc)?;
+        Ok(self.sink)
+    }
+}

@@ -1,0 +1,105 @@
+//! The ladder of ranges: 72 rungs from 0.4 m to 30 m in equal ratios, and heights counted in the same ratio.
+
+use super::scan::{MAX_STEPS, STEP_MM};
+
+/// Rungs of range: 0.4 m to 30 m in equal ratios of 6.3 %.
+pub const RANGES: usize = 72;
+/// Natural logarithm of the ratio of neighbouring rungs: 71 of them make 0.4 m to 30 m (6.3 % each).
+pub const RUNG: f32 = 0.060_809_69;
+/// Height, in metres, that rungs are counted for: others are shifts.
+pub const NOMINAL_HEIGHT_M: f32 = 1.5;
+/// Least and largest height of the camera that can be told or tried, metres.
+pub const HEIGHTS_M: [f32; 2] = [0.55, 2.4];
+
+/// Fractional bits of a position between rungs.
+pub(crate) const FRACTION_BITS: u32 = 8;
+/// March steps of rung 0.
+const NEAREST: u32 = 400 / STEP_MM;
+
+/// Ranges of the rungs in millimetres, rounded to the nearest: rung k lies at 0.4 m x 75^(k / 71).
+pub static RUNG_MM: [u16; RANGES] = {
+    let mut rungs = [0; RANGES];
+    let mut rung = 0;
+    while rung < RANGES {
+        // The first range whose upper half millimetre lies beyond the rung.
+        let (mut below, mut beyond) = (NEAREST * STEP_MM - 1, MAX_STEPS as u32 * STEP_MM);
+        while beyond - below > 1 {
+            let mm = below.midpoint(beyond);
+            let half_up = position(2 * mm + 1, 2 * NEAREST * STEP_MM, 16);
+            *(if half_up > (rung as u64) << 16 { &mut beyond } else { &mut below }) = mm;
+        }
+        rungs[rung] = beyond as u16;
+        rung += 1;
+    }
+    rungs
+};
+
+/// Position among the rungs by march steps, Q8.
+static POSITIONS: [u16; MAX_STEPS as usize + 1] = {
+    let mut positions = [0; MAX_STEPS as usize + 1];
+    let mut steps = NEAREST;
+    while steps <= MAX_STEPS as u32 {
+        positions[steps as usize] = position(steps, NEAREST, FRACTION_BITS) as u16;
+        steps += 1;
+    }
+    positions
+};
+
+/// `71 log(range / nearest) / log(75)` with these fractional bits, rounded to the nearest.
+const fn position(range: u32, nearest: u32, bits: u32) -> u64 {
+    const WHOLE: u128 = log2(75) as u128;
+    let part = (log2(range) - log2(nearest)) as u128 * (RANGES as u128 - 1);
+    (((part << bits) + WHOLE / 2) / WHOLE) as u64
+}
+
+/// Binary logarithm, Q32, within 2^-23; of zero it is 0.
+const fn log2(value: u32) -> u64 {
+    if value == 0 {
+        return 0;
+    }
+    let exponent = value.ilog2();
+    let mut mantissa = (value as u64) << (31 - exponent);
+    let mut log = (exponent as u64) << 32;
+    let mut bit = 31;
+    while bit >= 8 {
+        mantissa = (mantissa * mantissa) >> 31;
+        if mantissa >> 32 != 0 {
+            mantissa >>= 1;
+            log |= 1 << bit;
+        }
+        bit -= 1;
+    }
+    log
+}
+
+/// Position among the rungs, Q8, of 0..=71; ranges beyond 30 m count as 30 m.
+pub(crate) const fn position_of(steps: u16) -> u16 {
+    POSITIONS[if steps < MAX_STEPS { steps } else { MAX_STEPS } as usize]
+}
+
+/// The shift in rungs of a camera height in metres: 0 for [`NOMINAL_HEIGHT_M`], bounded by [`HEIGHTS_M`].
+#[must_use]
+pub fn height_rungs(height_m: f32) -> i8 {
+    let bounded = if height_m >= HEIGHTS_M[0] { height_m.min(HEIGHTS_M[1]) } else { HEIGHTS_M[0] };
+    libm::roundf(libm::logf(bounded / NOMINAL_HEIGHT_M) / RUNG) as i8
+}
+
+/// The height in metres that a shift in rungs stands for; [`height_rungs`] is within half a rung of it: 3 %.
+#[must_use]
+pub fn height_m(rungs: i8) -> f32 {
+    NOMINAL_HEIGHT_M * libm::expf(f32::from(rungs) * RUNG)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rungs_are_in_equal_ratios() {
+        for (k, &mm) in RUNG_MM.iter().enumerate() {
+            let expected = 400.0 * 75f64.powf(k as f64 / 71.0);
+            assert!((f64::from(mm) - expected).abs() <= 0.5001, "rung {k}: {mm} mm, not {expected}");
+        }
+        assert_eq!((RUNG_MM[0], RUNG_MM[71]), (400, 30_000));
+    }
+}

@@ -1,0 +1,304 @@
+//! The fixed-point vocabulary: every scale is a type.
+//!
+//! | type | format | range | quantum |
+//! |---|---|---|---|
+//! | [`ChannelValue`] | I2F14 | [-2, 2), 1.0 exact | 6.1e-5 |
+//! | [`Metres`] | I32F32 | +-2.1e9 m | 2.3e-10 m |
+//! | [`Unit`] | I2F30 | [-2, 2), +-1 exact | 9.3e-10 |
+//! | [`Score`] | I2F30 | [-2, 2), +-1 exact | 9.3e-10 |
+//! | [`Turn`] | whole turn = 2^32 | wraps | 8.4e-8 degrees |
+//!
+//! Ranges are counted in march steps of 0.02 m ([`crate::base::scan`]): no rounding at all.
+
+use core::ops::{Add, Neg, Sub};
+use fixed::types::{I2F14, I2F30, I32F32};
+
+/// Bins of a scan or a descriptor channel: one per degree, counter-clockwise from the heading.
+pub const BINS: usize = 360;
+
+/// A descriptor value. Channel values lie in [0, 1.5], centred ones in [-1.5, 1.5].
+pub type ChannelValue = I2F14;
+
+/// A length or coordinate in metres.
+pub type Metres = I32F32;
+
+/// A component of a unit vector.
+pub type Unit = I2F30;
+
+/// A cosine similarity in [-1, 1].
+pub type Score = I2F30;
+
+/// A point of the map in metres: x right, y up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Point {
+    /// Metres to the right of the map's origin.
+    pub x: Metres,
+    /// Metres above the map's origin.
+    pub y: Metres,
+}
+
+impl Point {
+    /// A point from its coordinates in metres.
+    #[must_use]
+    pub const fn new(x: Metres, y: Metres) -> Self {
+        Self { x, y }
+    }
+
+    /// Whether the other point lies within `distance` (a square root is never taken).
+    #[must_use]
+    pub fn within(self, other: Self, distance: Metres) -> bool {
+        let square = |d: Metres| i128::from(d.to_bits()) * i128::from(d.to_bits());
+        let dx = self.x.saturating_sub(other.x);
+        let dy = self.y.saturating_sub(other.y);
+        // Each square is below 2^126, so the sum cannot overflow.
+        square(dx) + square(dy) <= square(distance)
+    }
+}
+
+#[cfg(feature = "defmt")]
+impl defmt::Format for Point {
+    fn format(&self, f: defmt::Formatter<'_>) {
+        let millimetres = |v: Metres| ((i128::from(v.to_bits()) * 1000) >> 32) as i64;
+        defmt::write!(f, "({} mm, {} mm)", millimetres(self.x), millimetres(self.y));
+    }
+}
+
+/// A binary angle: the whole turn is the whole `u32`, so addition wraps for free.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, PartialOrd, Ord)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Turn(u32);
+
+impl Turn {
+    /// The angle 0.
+    pub const ZERO: Self = Self(0);
+
+    /// From raw bits: 2^32 is the whole turn.
+    #[must_use]
+    pub const fn from_bits(bits: u32) -> Self {
+        Self(bits)
+    }
+
+    /// The raw bits: 2^32 is the whole turn.
+    #[must_use]
+    pub const fn to_bits(self) -> u32 {
+        self.0
+    }
+
+    /// `numerator / denominator` of a turn, rounded to the nearest; any sign. A zero denominator gives 0.
+    ///
+    /// Whole degrees are `from_ratio(degrees, 360)`, microdegrees `from_ratio(micro, 360_000_000)`.
+    #[must_use]
+    pub const fn from_ratio(numerator: i64, denominator: u32) -> Self {
+        if denominator == 0 {
+            return Self::ZERO;
+        }
+        let denominator = denominator as i64;
+        let reduced = numerator.rem_euclid(denominator) as u64;
+        let half = denominator as u64 / 2;
+        Self((((reduced << 32) + half) / denominator as u64) as u32)
+    }
+
+    /// The angle in whole degrees and the rest: `(degrees in 0..360, rest in turn bits)`.
+    const fn split_degrees(self) -> (usize, u32) {
+        let scaled = self.0 as u64 * BINS as u64;
+        let degrees = scaled >> 32;
+        // Rest in units of 2^-32 degree.
+        (degrees as usize, scaled as u32)
+    }
+
+    /// The angle in millionths of a degree, `0..360_000_000`, rounded to the nearest.
+    #[must_use]
+    pub const fn to_microdegrees(self) -> u32 {
+        let scaled = (self.0 as u64 * 360_000_000 + (1 << 31)) >> 32;
+        (scaled % 360_000_000) as u32
+    }
+
+    /// The smaller of the two angles between two directions, at most half a turn.
+    #[must_use]
+    pub const fn distance(self, other: Self) -> Self {
+        let forward = self.0.wrapping_sub(other.0);
+        let backward = other.0.wrapping_sub(self.0);
+        Self(if forward < backward { forward } else { backward })
+    }
+
+    /// Cosine and sine, each within 2^-29 of the exact value.
+    #[must_use]
+    pub fn cos_sin(self) -> (Unit, Unit) {
+        let (degrees, rest) = self.split_degrees();
+        rotate(degree_cos_sin(degrees), small_cos_sin(rest))
+    }
+
+    /// The angle `degrees` further on: cosine and sine of 360 directions cost one table look-up and
+    /// one complex product each.
+    pub(crate) fn fan(self) -> Fan {
+        let (degrees, rest) = self.split_degrees();
+        Fan { degrees, rest: small_cos_sin(rest) }
+    }
+}
+
+impl Add for Turn {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self(self.0.wrapping_add(other.0))
+    }
+}
+
+impl Sub for Turn {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        Self(self.0.wrapping_sub(other.0))
+    }
+}
+
+impl Neg for Turn {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Self(self.0.wrapping_neg())
+    }
+}
+
+/// Directions a whole number of degrees on from a heading.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Fan {
+    degrees: usize,
+    rest: (Unit, Unit),
+}
+
+impl Fan {
+    /// Cosine and sine of heading + `degrees`, each within 2^-29.
+    pub(crate) fn cos_sin(&self, degrees: usize) -> (Unit, Unit) {
+        rotate(degree_cos_sin((self.degrees + degrees) % BINS), self.rest)
+    }
+}
+
+/// cos and sin of 1 degree in Q62.
+const COS_1: i128 = 4_610_983_636_309_578_612;
+const SIN_1: i128 = 80_485_018_754_732_517;
+
+/// sin of 0..=90 degrees in Q30, by the recursion e^(i(n+1)d) = e^(ind) e^(id) in Q62 (error below 2^-54).
+const SINE: [i32; 91] = {
+    let mut table = [0; 91];
+    let (mut cos, mut sin) = (1_i128 << 62, 0_i128);
+    let mut n = 0;
+    while n <= 90 {
+        table[n] = ((sin + (1 << 31)) >> 32) as i32;
+        let next = (cos * COS_1 - sin * SIN_1) >> 62;
+        sin = (sin * COS_1 + cos * SIN_1) >> 62;
+        cos = next;
+        n += 1;
+    }
+    table
+};
+
+/// Sine of whole degrees below 360 in Q30, at compile time.
+pub(crate) const fn degree_sine(degrees: usize) -> i32 {
+    let within = degrees % 90;
+    match degrees / 90 {
+        0 => SINE[within],
+        1 => SINE[90 - within],
+        2 => -SINE[within],
+        _ => -SINE[90 - within],
+    }
+}
+
+/// Cosine and sine of whole degrees below 360; multiples of 90 are exact.
+fn degree_cos_sin(degrees: usize) -> (Unit, Unit) {
+    let sine = |d: usize| SINE.get(d).copied().unwrap_or(0);
+    let within = degrees % 90;
+    let (s, c) = (sine(within), sine(90 - within));
+    let (c, s) = match degrees / 90 {
+        0 => (c, s),
+        1 => (-s, c),
+        2 => (-c, -s),
+        _ => (s, -c),
+    };
+    (Unit::from_bits(c), Unit::from_bits(s))
+}
+
+/// Cosine and sine of an angle below one degree, given in units of 2^-32 degree.
+///
+/// Taylor series to x^5; the first dropped term is below 2^-43.
+fn small_cos_sin(rest: u32) -> (Unit, Unit) {
+    if rest == 0 {
+        return (Unit::ONE, Unit::ZERO);
+    }
+    // pi/180 in Q36 times Q32, to Q36: x < 2^-5.8, so x * x stays below 2^61.
+    const RADIANS: u64 = 1_199_381_129;
+    let x = (u64::from(rest) * RADIANS) >> 32;
+    let x2 = (x * x) >> 36;
+    let x3 = (x2 * x) >> 36;
+    let x4 = (x3 * x) >> 36;
+    let x5 = (x4 * x) >> 36;
+    let sin = x - x3 / 6 + x5 / 120;
+    let cos = (1 << 36) - x2 / 2 + x4 / 24;
+    // Q36 to Q30, rounded to the nearest.
+    let narrow = |v: u64| Unit::from_bits(((v + (1 << 5)) >> 6) as i32);
+    (narrow(cos), narrow(sin))
+}
+
+/// The product of two unit complex numbers, rounded to the nearest.
+fn rotate((c, s): (Unit, Unit), (rc, rs): (Unit, Unit)) -> (Unit, Unit) {
+    let product = |a: Unit, b: Unit| i64::from(a.to_bits()) * i64::from(b.to_bits());
+    let narrow = |v: i64| Unit::from_bits(((v + (1 << 29)) >> 30) as i32);
+    (narrow(product(c, rc) - product(s, rs)), narrow(product(s, rc) + product(c, rs)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn radians(turn: Turn) -> f64 {
+        f64::from(turn.to_bits()) / 4_294_967_296.0 * core::f64::consts::TAU
+    }
+
+    #[test]
+    fn quarter_turns_are_exact() {
+        for (quarter, expected) in [(1, 0), (0, 1), (-1, 0), (0, -1)].into_iter().enumerate() {
+            let (c, s) = Turn::from_ratio(quarter as i64, 4).cos_sin();
+            assert_eq!((c, s), (Unit::from_num(expected.0), Unit::from_num(expected.1)));
+        }
+    }
+
+    #[test]
+    fn turn_round_trips_degrees() {
+        for degrees in -720_i64..720 {
+            let turn = Turn::from_ratio(degrees, 360);
+            assert_eq!(i64::from(turn.to_microdegrees()), degrees.rem_euclid(360) * 1_000_000);
+        }
+        assert_eq!(Turn::from_ratio(5, 0), Turn::ZERO);
+        assert_eq!(
+            Turn::from_ratio(350, 360).distance(Turn::from_ratio(15, 360)).to_microdegrees(),
+            25_000_000
+        );
+    }
+
+    #[test]
+    fn within_is_a_closed_disc() {
+        let at = |x: f64, y: f64| Point::new(Metres::from_num(x), Metres::from_num(y));
+        assert!(at(3.0, 4.0).within(at(0.0, 0.0), Metres::from_num(5)));
+        assert!(!at(3.0, 4.0).within(at(0.0, 0.0), Metres::from_num(4.999)));
+        assert!(!at(1e9, -1e9).within(at(-1e9, 1e9), Metres::from_num(5)), "far apart saturates");
+    }
+
+    proptest! {
+        #[test]
+        fn cos_sin_is_within_2_pow_minus_29(bits: u32) {
+            let turn = Turn::from_bits(bits);
+            let (c, s) = turn.cos_sin();
+            let bound = 2f64.powi(-29);
+            prop_assert!((c.to_num::<f64>() - radians(turn).cos()).abs() <= bound);
+            prop_assert!((s.to_num::<f64>() - radians(turn).sin()).abs() <= bound);
+        }
+
+        #[test]
+        fn fan_equals_the_sum_of_angles(bits: u32, degrees in 0usize..360) {
+            let turn = Turn::from_bits(bits);
+            let (c, s) = turn.fan().cos_sin(degrees);
+            let angle = radians(turn) + (degrees as f64).to_radians();
+            let bound = 2f64.powi(-29);
+            prop_assert!((c.to_num::<f64>() - angle.cos()).abs() <= bound);
+            prop_assert!((s.to_num::<f64>() - angle.sin()).abs() <= bound);
+        }
+    }
+}

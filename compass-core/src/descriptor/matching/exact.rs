@@ -1,0 +1,462 @@
+//! The exact search: bound everything, score what could win.
+//!
+//! The correlation of a query with a candidate is split into harmonics 1..=32, phases kept, and the
+//! rest. The low part is evaluated at 64 headings by one short transform; between two of them it can
+//! rise by at most half the squared half-gap times its largest second derivative, which the norms of the
+//! derivatives bound; the rest is at most the product of the two residual norms (Cauchy-Schwarz, per channel).
+//! A candidate whose bound lies below the best score found so far cannot win.
+
+use super::answer::{Answer, Match, Pool};
+use super::index::{Group, Index, Rest, spectrum};
+use super::lanes::{self, LANES, Lane, POINTS, TRANSFORM_ERROR};
+use super::shortlist::top_candidates;
+use crate::base::num::{BINS, Score};
+use crate::base::scan::Scan;
+use crate::descriptor::harmonics::{HARMONICS, Pair};
+use crate::descriptor::signature::Signature;
+use crate::descriptor::similarity::{Candidate, Peak, Query, Similarity};
+use crate::descriptor::{CHANNELS, Descriptor};
+use crate::map::site_map::SiteMap;
+
+/// Candidates of the highest bounds: they provide the alternatives.
+const SEEDS: usize = 64;
+/// Of these, candidates that set the first threshold.
+const PROBES: usize = 8;
+/// The query's harmonics are scaled to at most this norm.
+const QUERY_NORM: u64 = 1 << 14;
+/// Products are shifted down by this many bits on their way to 16.
+const PRODUCT_SHIFT: u32 = 17;
+/// What a value of the low part may be off by, in its LSB: 45 for rounding 32 products, the
+/// transform's own, and 24 for rounded coefficients, tables and the largest norms they can have.
+const LOW_ERROR: i64 = 45 + TRANSFORM_ERROR as i64 + 24;
+
+/// Workspace of the exact search: about 60 KiB.
+#[derive(Debug)]
+pub struct Exact {
+    low: LowQuery,
+    re: [Lane; POINTS],
+    im: [Lane; POINTS],
+    scan: Scan,
+    descriptor: Descriptor,
+    candidate: Candidate,
+    scores: [Option<i32>; BINS],
+}
+
+impl Exact {
+    /// An empty workspace.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            low: LowQuery::EMPTY,
+            re: [[0; LANES]; POINTS],
+            im: [[0; LANES]; POINTS],
+            scan: Scan::BLANK,
+            descriptor: Descriptor::ZERO,
+            candidate: Candidate::ZERO,
+            scores: [None; BINS],
+        }
+    }
+}
+
+impl Default for Exact {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// The low harmonics of a query and what bounds the rest.
+#[derive(Debug, Clone)]
+struct LowQuery {
+    /// Weighted harmonics: `[channel][k][re, im]`, in all lanes.
+    splat: [[[Lane; 2]; HARMONICS]; CHANNELS],
+    /// They were scaled by 2^-exponent.
+    exponent: i32,
+    /// Weight times residual norm and weight times slope norm, Q10.
+    residual: [i64; CHANNELS],
+    slope: [i64; CHANNELS],
+    /// Weight times sum, for the plain cosine; 0 for the centred one.
+    offset: [i64; CHANNELS],
+    weights: [i64; CHANNELS],
+    /// Square root of the query's squared norm, rounded down.
+    norm: u64,
+    similarity: Similarity,
+}
+
+/// Finds what scoring every candidate at every heading would find: nothing that is left out could have
+/// won. Alternatives are the best peaks of the 64 candidates of the highest bounds.
+///
+/// `bounds` needs a place per candidate, `pool` some 400 places for the matches to choose from. With
+/// `signature`, candidates farther from it than the distance beside it are left out. `None` when `bounds` is
+/// too short or the index is another map's.
+///
+/// For a masked query nothing is bounded, because a candidate's norm depends on the heading: every candidate is
+/// scored at every heading.
+///
+/// # Cost
+/// A bound per candidate, and a few scored at all headings: all of them at worst, and for a masked query.
+pub fn exhaustive(
+    index: &Index<'_>,
+    map: &SiteMap<'_>,
+    query: &Query,
+    signature: Option<(&Signature, u16)>,
+    work: &mut Exact,
+    bounds: &mut [i32],
+    pool: &mut [Match],
+) -> Option<Answer> {
+    let bounds = bounds.get_mut(..index.len())?;
+    if index.len() != map.len() {
+        return None;
+    }
+    if query.is_masked() {
+        bounds.fill(0);
+    } else {
+        work.low.set(query);
+        for (group, bounds) in index.as_groups().iter().zip(bounds.chunks_mut(super::GROUP)) {
+            work.bound(group, bounds);
+        }
+    }
+    if let Some((signature, limit)) = signature {
+        for (bound, record) in bounds.iter_mut().zip(map.iter()) {
+            if Signature::stored(&record.plan_layer()).distance(signature) > limit {
+                *bound = i32::MIN;
+            }
+        }
+    }
+    let whole = signature.is_none();
+    let mut search =
+        Search { index, map, query, work, pool: Pool::new(pool), scored: 0, whole, best: i32::MIN };
+    Some(search.run(bounds))
+}
+
+struct Search<'s, 'm> {
+    index: &'s Index<'m>,
+    map: &'s SiteMap<'m>,
+    query: &'s Query,
+    work: &'s mut Exact,
+    pool: Pool<'s>,
+    scored: u32,
+    /// Bounds hold and nothing was left out.
+    whole: bool,
+    /// The best score so far.
+    best: i32,
+}
+
+impl Search<'_, '_> {
+    fn run(&mut self, bounds: &[i32]) -> Answer {
+        let candidates = (0..).zip(bounds.iter()).filter(|(_, b)| **b > i32::MIN);
+        if self.query.is_masked() {
+            for (candidate, _) in candidates {
+                self.score(candidate, None);
+            }
+            return self.pool.select(self.map, self.scored, self.whole);
+        }
+        let mut seeds = [(0, 0); SEEDS];
+        let used = top_candidates(&mut seeds, candidates.map(|(c, b)| (*b, c)));
+        let seeds = seeds.get(..used).unwrap_or_default();
+        let (first, others) = seeds.split_at_checked(PROBES).unwrap_or((seeds, &[]));
+        for &(_, candidate) in first {
+            self.score(candidate, None);
+        }
+        for (candidate, bound) in (0..).zip(bounds.iter()) {
+            if *bound >= self.best {
+                self.score(candidate, Some(self.best));
+            }
+        }
+        for &(_, candidate) in others {
+            self.score(candidate, None);
+        }
+        self.pool.select(self.map, self.scored, self.whole)
+    }
+
+    /// Offers the local peaks of a candidate: those near the top of its low part, or all that reach
+    /// `floor`; of a masked query all.
+    fn score(&mut self, candidate: u32, floor: Option<i32>) {
+        let (number, place) = (candidate as usize / super::GROUP, candidate as usize % super::GROUP);
+        let Some(group) = self.index.as_groups().get(number) else { return };
+        let Some(record) = self.map.get(candidate as usize) else { return };
+        let near = match floor {
+            _ if self.query.is_masked() => [true; POINTS],
+            None => highest(&self.work.low.curve(group, place)),
+            Some(floor) => {
+                let reach = self.work.low.reach(group, place, floor);
+                self.work.low.curve(group, place).map(|low| low >= reach)
+            }
+        };
+        if !near.contains(&true) {
+            return;
+        }
+        record.scan(&mut self.work.scan);
+        self.work.descriptor.fill(&self.work.scan);
+        self.work.candidate.fill(&self.work.descriptor);
+        self.work.scores = [None; BINS];
+        self.scored += 1;
+        for shift in (0..BINS).filter(|&s| near[nearest_point(s)]) {
+            self.offer_if_peak(candidate, shift, floor.unwrap_or(i32::MIN));
+        }
+    }
+
+    fn offer_if_peak(&mut self, candidate: u32, shift: usize, floor: i32) {
+        let here = self.at(shift);
+        let (before, after) = (self.at((shift + BINS - 1) % BINS), self.at((shift + 1) % BINS));
+        // A plateau counts once, by its first shift; a constant by shift 0.
+        if here < floor || here < after || here < before || (here == before && shift != 0) {
+            return;
+        }
+        self.best = self.best.max(here);
+        let peak = Peak { shift: shift as u16, score_bits: here };
+        self.pool.offer(Match { candidate, peak });
+    }
+
+    /// The exact score at a shift, computed once.
+    fn at(&mut self, shift: usize) -> i32 {
+        let Exact { scores, candidate, .. } = &mut *self.work;
+        let query = self.query;
+        let Some(slot) = scores.get_mut(shift) else { return i32::MIN };
+        *slot.get_or_insert_with(|| query.score(candidate, shift).to_bits())
+    }
+}
+
+/// The sample of the low part nearest to a shift.
+const fn nearest_point(shift: usize) -> usize {
+    // 64 points over 360 shifts: (64 s + 180) / 360, rounded down.
+    (shift * POINTS + BINS / 2) / BINS % POINTS
+}
+
+/// The four highest local maxima of a curve and their neighbours.
+fn highest(curve: &[i64; POINTS]) -> [bool; POINTS] {
+    let mut peaks = [(i64::MIN, 0); 4];
+    for (m, &here) in curve.iter().enumerate() {
+        let (before, after) = (curve[(m + POINTS - 1) % POINTS], curve[(m + 1) % POINTS]);
+        if here >= after
+            && here >= before
+            && let Some(worst) = peaks.iter_mut().min()
+            && here > worst.0
+        {
+            *worst = (here, m);
+        }
+    }
+    let mut near = [false; POINTS];
+    for (_, m) in peaks.into_iter().filter(|p| p.0 > i64::MIN) {
+        for neighbour in [m + POINTS - 1, m, m + 1] {
+            near[neighbour % POINTS] = true;
+        }
+    }
+    near
+}
+
+impl Exact {
+    /// An upper bound of the score of each candidate of a group, as score bits.
+    fn bound(&mut self, group: &Group, bounds: &mut [i32]) {
+        self.products(group);
+        lanes::inverse(&mut self.re, &mut self.im);
+        let mut top = [[i16::MIN; LANES]; 2];
+        for (re, im) in self.re.iter().zip(&self.im) {
+            for (top, part) in top.iter_mut().zip([re, im]) {
+                for lane in 0..LANES {
+                    top[lane] = top[lane].max(part[lane]);
+                }
+            }
+        }
+        for ((place, bound), top) in (0..).zip(bounds).zip(top.as_flattened()) {
+            let low = (i64::from(*top) + LOW_ERROR) << PRODUCT_SHIFT;
+            *bound = self.low.upper(group, place, low);
+        }
+    }
+
+    /// The spectra of two candidates per lane, one in the real, one in the imaginary part of the
+    /// correlation, in bit-reversed order.
+    fn products(&mut self, group: &Group) {
+        // Harmonic 0 stays zero: means are no part of this.
+        (self.re, self.im) = ([[0; LANES]; POINTS], [[0; LANES]; POINTS]);
+        let reversed = |k: usize| k.reverse_bits() >> (usize::BITS - POINTS.ilog2());
+        for k in 0..HARMONICS {
+            let [a, b] = [0, 1].map(|half| self.low.product(group, k, half));
+            let (plus, minus) = (reversed(k + 1), reversed(POINTS - k - 1));
+            for lane in 0..LANES {
+                let ([ar, ai], [br, bi]) = ([a[0][lane], a[1][lane]], [b[0][lane], b[1][lane]]);
+                // X_k = A + i B at +k, conj(A) + i conj(B) at -k; at k = 32 both meet.
+                self.re[plus][lane] = self.re[plus][lane].wrapping_add(ar.wrapping_sub(bi));
+                self.im[plus][lane] = self.im[plus][lane].wrapping_add(ai.wrapping_add(br));
+                self.re[minus][lane] = self.re[minus][lane].wrapping_add(ar.wrapping_add(bi));
+                self.im[minus][lane] = self.im[minus][lane].wrapping_add(br.wrapping_sub(ai));
+            }
+        }
+    }
+}
+
+impl LowQuery {
+    const EMPTY: Self = Self {
+        splat: [[[[0; LANES]; 2]; HARMONICS]; CHANNELS],
+        exponent: 0,
+        residual: [0; CHANNELS],
+        slope: [0; CHANNELS],
+        offset: [0; CHANNELS],
+        weights: [0; CHANNELS],
+        norm: 1,
+        similarity: Similarity::Centred,
+    };
+
+    /// Of a query that is certain: a masked one has no bounds.
+    fn set(&mut self, query: &Query) {
+        self.similarity = query.similarity();
+        self.norm = query.squared_norm().isqrt().max(1);
+        let mut weighted = [[[0; 2]; HARMONICS]; CHANNELS];
+        for (channel, harmonics_out) in weighted.iter_mut().enumerate() {
+            let values: [i16; BINS] = core::array::from_fn(|bin| query.balanced(channel, bin));
+            let weight = i64::from(query.weights().0[channel]);
+            let found: [Pair<i64>; HARMONICS] = spectrum(&values);
+            let sum: i32 = values.iter().map(|&v| i32::from(v)).sum();
+            let square: i32 = values.iter().map(|&v| i32::from(v) * i32::from(v)).sum();
+            let rest = Rest::of(&found, sum, square);
+            self.weights[channel] = weight;
+            self.residual[channel] = weight * i64::from(rest.residual);
+            self.slope[channel] = weight * i64::from(rest.slope);
+            self.offset[channel] = match self.similarity {
+                Similarity::Plain => weight * query.sum(channel),
+                Similarity::Centred => 0,
+            };
+            *harmonics_out = found.map(|pair| pair.map(|v| v * weight));
+        }
+        self.scale(&weighted);
+    }
+
+    fn scale(&mut self, weighted: &[[Pair<i64>; HARMONICS]; CHANNELS]) {
+        let parts = weighted.as_flattened().as_flattened();
+        // Weighted parts stay below 2^40: shifted down by 12, 320 squares stay below 2^65 / 2.
+        let norm = |down: u32| {
+            parts.iter().map(|v| ((v.unsigned_abs() >> down) + 1).pow(2)).sum::<u64>().isqrt() + 1
+        };
+        let mut exponent = 12;
+        while norm(exponent) > QUERY_NORM {
+            exponent += 1;
+        }
+        while exponent > 0 && norm(exponent - 1) <= QUERY_NORM {
+            exponent -= 1;
+        }
+        self.exponent = exponent.cast_signed();
+        for (splat, pair) in self.splat.as_flattened_mut().iter_mut().zip(weighted.as_flattened()) {
+            for (lane, &value) in splat.iter_mut().zip(pair) {
+                let half = (1_i64 << exponent) >> 1;
+                *lane = [((value + half) >> exponent) as i16; LANES];
+            }
+        }
+    }
+
+    /// conj(query) candidate, summed over the channels, for one harmonic and half of a group.
+    fn product(&self, group: &Group, k: usize, half: usize) -> [Lane; 2] {
+        let (mut re, mut im) = ([0_i32; LANES], [0_i32; LANES]);
+        for (query, group) in self.splat.iter().zip(&group.coefficients) {
+            let ([q_re, q_im], [d_re, d_im]) = (&query[k % HARMONICS], &group[k % HARMONICS][half % 2]);
+            for lane in 0..LANES {
+                let [qr, qi, dr, di] = [q_re[lane], q_im[lane], d_re[lane], d_im[lane]].map(i32::from);
+                re[lane] += qr * dr + qi * di;
+                im[lane] += qr * di - qi * dr;
+            }
+        }
+        let round = 1 << (PRODUCT_SHIFT - 1);
+        let mut out = [[0; LANES]; 2];
+        for lane in 0..LANES {
+            out[0][lane] = ((re[lane] + round) >> PRODUCT_SHIFT) as i16;
+            out[1][lane] = ((im[lane] + round) >> PRODUCT_SHIFT) as i16;
+        }
+        out
+    }
+
+    /// What the harmonics above the 32nd and the gaps between samples can add to a correlation (weighted,
+    /// centred, Q20).
+    fn rest(&self, group: &Group, place: usize) -> i64 {
+        // (pi / 64)^2 / 2 in Q18, rounded up, and 8 for the unit of the candidates' slopes.
+        const CURVATURE: i64 = 316 * 8;
+        let over = |own: &[i64; CHANNELS], theirs: &[[u16; super::GROUP]; CHANNELS]| -> i64 {
+            own.iter().zip(theirs).map(|(a, b)| a * i64::from(b[place % super::GROUP])).sum()
+        };
+        over(&self.residual, &group.residual) + ((over(&self.slope, &group.slope) * CURVATURE) >> 18) + 1
+    }
+
+    /// Binary exponent of the unit of products in that of correlations.
+    fn exponent(&self, group: &Group, place: usize) -> i32 {
+        self.exponent - i32::from(group.shift[place % super::GROUP]) - 20
+    }
+
+    /// The bound of a candidate whose low part is at most `low`, in units of the products, as score bits.
+    fn upper(&self, group: &Group, place: usize, low: i64) -> i32 {
+        let exponent = self.exponent(group, place);
+        let low = if exponent >= 0 { low << exponent } else { (low >> -exponent) + 1 };
+        let Sizes { norms, offset } = self.sizes(group, place);
+        if norms == 0 {
+            // A candidate without contrast in what counts scores 0.
+            return 0;
+        }
+        let numerator = (low + self.rest(group, place)) * self.factor() + offset;
+        // Numerators stay below 2^50. A denominator of 31 bits, rounded down, makes the bound larger.
+        let down = (u64::BITS - norms.leading_zeros()).saturating_sub(31);
+        let denominator = i64::from((norms >> down) as u32).max(1);
+        let up = 30 - down.cast_signed();
+        let scaled = if up >= 0 { numerator.saturating_mul(1 << up) } else { (numerator >> -up) + 1 };
+        let one = i64::from(Score::ONE.to_bits());
+        (scaled / denominator).clamp(-one, one) as i32 + 16
+    }
+
+    /// The low part, in units of the products, from which on a candidate can reach a score.
+    fn reach(&self, group: &Group, place: usize, floor: i32) -> i64 {
+        let Sizes { norms, offset } = self.sizes(group, place);
+        let product = (i128::from(norms) * i128::from(floor)) >> 30;
+        let correlation = (product as i64 - offset) / self.factor() - self.rest(group, place) - 2;
+        let exponent = self.exponent(group, place);
+        if exponent >= 0 { (correlation >> exponent) - 1 } else { (correlation << -exponent) - 1 }
+    }
+
+    /// What a correlation is multiplied by in the numerator of the cosine.
+    const fn factor(&self) -> i64 {
+        match self.similarity {
+            Similarity::Plain => 1,
+            Similarity::Centred => BINS as i64,
+        }
+    }
+
+    /// The product of the norms, rounded down, and what the means add to the numerator, rounded up.
+    fn sizes(&self, group: &Group, place: usize) -> Sizes {
+        let (mut norm, mut offset) = (0_i64, 0_i64);
+        for (channel, weight) in self.weights.iter().enumerate() {
+            let of_place = place % super::GROUP;
+            let (sum, square) =
+                (i64::from(group.sums[channel][of_place]), i64::from(group.squares[channel][of_place]));
+            norm += weight
+                * match self.similarity {
+                    Similarity::Plain => square,
+                    Similarity::Centred => BINS as i64 * square - sum * sum,
+                };
+            offset += self.offset[channel] * sum;
+        }
+        let offset = if offset == 0 { 0 } else { offset / BINS as i64 + 1 };
+        Sizes { norms: self.norm * norm.unsigned_abs().isqrt(), offset }
+    }
+
+    /// The low part of one candidate at each of the 64 headings, in units of the products and with its
+    /// numerical error added.
+    fn curve(&self, group: &Group, place: usize) -> [i64; POINTS] {
+        let (half, lane) = (place / LANES, place % LANES);
+        let mut products = [[0_i64; 2]; HARMONICS];
+        for (query, group) in self.splat.iter().zip(&group.coefficients) {
+            for (([re, im], q), d) in products.iter_mut().zip(query).zip(group) {
+                let [qr, qi, dr, di] = [q[0][0], q[1][0], d[half][0][lane], d[half][1][lane]].map(i64::from);
+                *re += qr * dr + qi * di;
+                *im += qr * di - qi * dr;
+            }
+        }
+        core::array::from_fn(|m| {
+            let mut sum = LOW_ERROR << (PRODUCT_SHIFT + 15);
+            for (k, [re, im]) in products.iter().enumerate() {
+                let [cos, sin] = lanes::TURNS[(k + 1) * m % POINTS].map(i64::from);
+                sum += 2 * (re * cos - im * sin);
+            }
+            sum >> 15
+        })
+    }
+}
+
+/// What turns a correlation into a cosine.
+struct Sizes {
+    norms: u64,
+    offset: i64,
+}

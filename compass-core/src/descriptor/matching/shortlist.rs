@@ -1,0 +1,151 @@
+//! The search of a board: sketches rank, the best are scored exactly.
+
+use super::answer::{Answer, Match, Pool};
+use crate::base::num::BINS;
+use crate::base::scan::Scan;
+use crate::descriptor::Descriptor;
+use crate::descriptor::signature::Signature;
+use crate::descriptor::similarity::{Candidate, Peak, Query};
+use crate::descriptor::sketch::{Sketch, SketchQuery};
+use crate::descriptor::spectrum::Correlator;
+use crate::map::site_map::{Record, SiteMap};
+
+/// Headings of one candidate that can become alternatives.
+const PEAKS: usize = 4;
+
+/// What the board's search works with: about 50 KiB, made for a static.
+#[derive(Debug)]
+pub struct Board {
+    correlator: Correlator,
+    candidate: Candidate,
+    scan: Scan,
+    descriptor: Descriptor,
+    scores: [crate::base::num::Score; BINS],
+}
+
+impl Board {
+    /// An empty workspace.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            correlator: Correlator::new(),
+            candidate: Candidate::ZERO,
+            scan: Scan::BLANK,
+            descriptor: Descriptor::ZERO,
+            scores: [crate::base::num::Score::ZERO; BINS],
+        }
+    }
+
+    /// All scores of one candidate, each within [`SCORE_ERROR`](crate::descriptor::similarity::SCORE_ERROR) (exact for a masked query); the query must have
+    /// been [loaded](Board::load).
+    pub fn scores(
+        &mut self,
+        query: &Query,
+        map: &SiteMap<'_>,
+        index: usize,
+    ) -> &[crate::base::num::Score; BINS] {
+        if let Some(record) = map.get(index) {
+            record.scan(&mut self.scan);
+            self.descriptor.fill(&self.scan);
+            self.candidate.fill(&self.descriptor);
+            query.scores(&self.candidate, &mut self.correlator, &mut self.scores);
+        }
+        &self.scores
+    }
+
+    /// Loads a query.
+    pub fn load(&mut self, query: &Query) {
+        query.load(&mut self.correlator);
+    }
+
+    /// Offers the highest local peaks of one candidate, scored exactly.
+    fn offer_peaks(&mut self, query: &Query, map: &SiteMap<'_>, index: usize, pool: &mut Pool<'_>) {
+        let _ = self.scores(query, map, index);
+        for shift in local_peaks(&self.scores) {
+            let score_bits = query.score(&self.candidate, usize::from(shift)).to_bits();
+            pool.offer(Match { candidate: index as u32, peak: Peak { shift, score_bits } });
+        }
+    }
+}
+
+impl Default for Board {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// The highest local maxima around the circle, best first.
+pub(super) fn local_peaks(scores: &[crate::base::num::Score; BINS]) -> impl Iterator<Item = u16> {
+    let at = |shift: usize| scores.get(shift % BINS).copied().unwrap_or_default();
+    let mut best = [(crate::base::num::Score::MIN, 0_u16); PEAKS];
+    for shift in 0..BINS {
+        let here = at(shift);
+        if here < at(shift + 1) || here <= at(shift + BINS - 1) {
+            continue;
+        }
+        if let Some(worst) = best.iter_mut().min_by_key(|b| b.0)
+            && here > worst.0
+        {
+            *worst = (here, shift as u16);
+        }
+    }
+    // A constant has no local maximum.
+    if best.iter().all(|b| b.0 == crate::base::num::Score::MIN) {
+        best[0] = (at(0), 0);
+    }
+    best.into_iter().filter(|b| b.0 > crate::base::num::Score::MIN).map(|b| b.1)
+}
+
+/// Ranks all candidates by their sketches and scores the best `ranked.len()` exactly.
+///
+/// `ranked` holds the shortlist (48 is plenty), `pool` the matches to choose alternatives from (four
+/// per place of the shortlist). With `signature`, candidates farther from it than the distance beside it are
+/// left out ([`super::nearest_signatures`]).
+///
+/// # Cost
+/// A sketch compared per candidate, and `ranked.len()` candidates scored at all headings.
+pub fn shortlist(
+    map: &SiteMap<'_>,
+    query: &Query,
+    signature: Option<(&Signature, u16)>,
+    board: &mut Board,
+    ranked: &mut [(i32, u32)],
+    pool: &mut [Match],
+) -> Answer {
+    let sketch = SketchQuery::new(query);
+    let near = |record: &Record<'_>| {
+        signature.is_none_or(|(s, limit)| Signature::stored(&record.plan_layer()).distance(s) <= limit)
+    };
+    let candidates = (0..).zip(map.iter()).filter(|(_, record)| near(record));
+    let used = top_candidates(
+        ranked,
+        candidates.map(|(index, record)| (sketch.rank(&Sketch::stored(&record.plan_layer())), index)),
+    );
+    board.load(query);
+    let mut pool = Pool::new(pool);
+    for &(_, index) in ranked.iter().take(used) {
+        board.offer_peaks(query, map, index as usize, &mut pool);
+    }
+    pool.select(map, used as u32, used == map.len())
+}
+
+/// Collects the candidates of highest rank, best first; returns how many.
+pub(super) fn top_candidates(
+    ranked: &mut [(i32, u32)],
+    candidates: impl Iterator<Item = (i32, u32)>,
+) -> usize {
+    candidates.fold(0, |used, entry| insert(ranked, used, entry))
+}
+
+/// Keeps `ranked[..used]` sorted, best first; of equal ranks the earlier candidate stays ahead.
+fn insert(ranked: &mut [(i32, u32)], used: usize, entry: (i32, u32)) -> usize {
+    let place = ranked.get(..used).unwrap_or_default().partition_point(|kept| kept.0 >= entry.0);
+    if place >= ranked.len() {
+        return used;
+    }
+    let used = (used + 1).min(ranked.len());
+    if let Some(tail) = ranked.get_mut(place..used) {
+        tail.iter_mut().fold(entry, |moved, slot| core::mem::replace(slot, moved));
+    }
+    used
+}

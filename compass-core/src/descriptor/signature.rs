@@ -1,0 +1,159 @@
+//! The transition signature: 16 bytes that do not change under rotation.
+//!
+//! It counts what lies between the transitions of the hit type around the circle (how many runs of
+//! glazing and of wall, how many bins in short and long ones) and adds six quantiles of the range.
+//! Counts and quantiles do not know where bin 0 is, so a heading shift leaves them as they are. They
+//! survive a few wrong bins: hit types pass a circular majority of five first, so up to two wrong
+//! bins in five vanish, and a wrong range moves each quantile by at most one rank.
+//!
+//! | byte | content |
+//! |---|---|
+//! | 0 | glazed bins / 2 |
+//! | 1 | runs of equal hit type x 2, at most 254 |
+//! | 2..=5 | glazed bins / 2 in runs of at most 4, 12, 36 and more bins |
+//! | 6..=9 | other bins / 2, likewise |
+//! | 10..=15 | range at ranks 30, 90, 150, 210, 270, 330 of 360, half the code of the range ladder |
+
+use crate::base::num::BINS;
+use crate::base::order;
+use crate::base::scan::{Hit, Scan};
+use crate::map::site_map::{LayerView, SIGNATURE_BYTES, ladder_code};
+
+/// Longest run of each class but the last.
+const RUN_CLASSES: [usize; 3] = [4, 12, 36];
+/// Ranks at which the sorted ranges are sampled.
+const RANKS: [usize; 6] = [30, 90, 150, 210, 270, 330];
+
+/// A rotation-invariant digest of a scan.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Signature(pub [u8; SIGNATURE_BYTES]);
+
+impl Signature {
+    /// The signature of a scan.
+    #[must_use]
+    pub fn new(scan: &Scan) -> Self {
+        let glazed = smooth(&scan.hit);
+        let bins = glazed.iter().filter(|&&g| g).count();
+        let mut counts = Counts::default();
+        counts.add_runs(&glazed);
+        let mut sorted = scan.steps;
+        order::sort_by_key(&mut sorted, |steps| *steps);
+        let quantiles = RANKS.map(|rank| ladder_code(sorted.get(rank).copied().unwrap_or(1)) / 2);
+
+        let half = |bins: usize| (bins / 2) as u8;
+        let runs = (2 * counts.runs).min(254) as u8;
+        let mut bytes = [0; SIGNATURE_BYTES];
+        let values = [half(bins), runs]
+            .into_iter()
+            .chain(counts.glazed.map(half))
+            .chain(counts.other.map(half))
+            .chain(quantiles);
+        for (byte, value) in bytes.iter_mut().zip(values) {
+            *byte = value;
+        }
+        Self(bytes)
+    }
+
+    /// The signature that a site map stores of a layer.
+    #[must_use]
+    pub fn stored(layer: &LayerView<'_>) -> Self {
+        Self(*layer.signature_bytes())
+    }
+
+    /// Sum of absolute differences, 0..=4080.
+    #[must_use]
+    pub fn distance(&self, other: &Self) -> u16 {
+        self.0.iter().zip(&other.0).map(|(a, b)| u16::from(a.abs_diff(*b))).sum()
+    }
+}
+
+/// Bins in runs, by the length of the run.
+#[derive(Default)]
+struct Counts {
+    runs: usize,
+    glazed: [usize; RUN_CLASSES.len() + 1],
+    other: [usize; RUN_CLASSES.len() + 1],
+}
+
+impl Counts {
+    fn add_runs(&mut self, glazed: &[bool; BINS]) {
+        let at = |bin: usize| glazed.get(bin % BINS).copied().unwrap_or_default();
+        // Begin at a transition, so that no run is cut in two.
+        let start = (0..BINS).find(|&bin| at(bin) != at(bin + BINS - 1)).unwrap_or(0);
+        let (mut length, mut value) = (0, at(start));
+        for bin in start..start + BINS {
+            if at(bin) == value {
+                length += 1;
+            } else {
+                self.add_run(value, length);
+                (length, value) = (1, at(bin));
+            }
+        }
+        self.add_run(value, length);
+    }
+
+    fn add_run(&mut self, glazed: bool, length: usize) {
+        let class = RUN_CLASSES.iter().take_while(|&&longest| length > longest).count();
+        let counts = if glazed { &mut self.glazed } else { &mut self.other };
+        if let Some(count) = counts.get_mut(class) {
+            *count += length;
+        }
+        self.runs += 1;
+    }
+}
+
+/// Which bins are glazed by a circular majority of five.
+fn smooth(hit: &[Hit; BINS]) -> [bool; BINS] {
+    let glazed = |bin: usize| hit.get(bin % BINS) == Some(&Hit::Window);
+    core::array::from_fn(|bin| (0..5).filter(|offset| glazed(bin + BINS - 2 + offset)).count() >= 3)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn scan(seed: u64) -> Scan {
+        let mut scan = Scan::OPEN;
+        for j in 0..BINS {
+            let run = (j as u64 / 9 + seed).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 40;
+            scan.hit[j] = if run.is_multiple_of(3) { Hit::Window } else { Hit::Wall };
+            scan.steps[j] = (50 + run % 900) as u16;
+        }
+        scan
+    }
+
+    proptest! {
+        #[test]
+        fn rotation_leaves_it_alone(seed: u64, by in 0usize..360) {
+            let mut turned = scan(seed);
+            turned.steps.rotate_left(by);
+            turned.hit.rotate_left(by);
+            prop_assert_eq!(Signature::new(&scan(seed)), Signature::new(&turned));
+        }
+
+        #[test]
+        fn two_wrong_bins_move_it_little(seed: u64, at in 0usize..360) {
+            let original = scan(seed);
+            let mut wrong = original;
+            for j in [at, (at + 180) % 360] {
+                wrong.hit[j] = if wrong.hit[j] == Hit::Wall { Hit::Window } else { Hit::Wall };
+                wrong.steps[j] = 60;
+            }
+            let moved = Signature::new(&original).distance(&Signature::new(&wrong));
+            let elsewhere = Signature::new(&original).distance(&Signature::new(&Scan::OPEN));
+            prop_assert!(moved < elsewhere / 2, "{moved} against {elsewhere}");
+        }
+    }
+
+    #[test]
+    fn counts_of_a_known_circle() {
+        let mut scan = Scan { steps: [100; BINS], hit: [Hit::Wall; BINS] };
+        scan.hit[350..].fill(Hit::Window);
+        scan.hit[..10].fill(Hit::Window);
+        scan.hit[100] = Hit::Window;
+        let signature = Signature::new(&scan).0;
+        assert_eq!(signature[..10], [10, 4, 0, 0, 10, 0, 0, 0, 0, 170], "the lone bin is smoothed away");
+    }
+}

@@ -1,0 +1,326 @@
+//! A query descriptor prepared for scoring many candidates.
+
+use super::{Candidate, Normalizer, Profile, Similarity, Weights, cosine};
+use crate::base::confidence::Confidence;
+use crate::base::num::{BINS, Score};
+use crate::descriptor::harmonics::dot;
+use crate::descriptor::spectrum::{Correlator, Extent};
+use crate::descriptor::{CHANNELS, Descriptor};
+
+/// The best shift of a candidate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Peak {
+    /// Degrees by which the query's heading is ahead of the candidate's, 0..360.
+    pub shift: u16,
+    /// Bits of the [`Score`] there (2^30 is 1.0).
+    pub score_bits: i32,
+}
+
+impl Peak {
+    /// The score.
+    #[must_use]
+    pub const fn score(self) -> Score {
+        Score::from_bits(self.score_bits)
+    }
+}
+
+/// Values repeated once, so that every shift is one contiguous slice.
+type Doubled<T> = [T; 2 * BINS];
+
+/// A query descriptor with weights, confidence and the kind of cosine: 9 KiB.
+#[derive(Debug, Clone)]
+pub struct Query {
+    similarity: Similarity,
+    weights: Weights,
+    /// m q; m is 1 for all bins of a certain query.
+    values: [Doubled<i16>; CHANNELS],
+    /// m, for a query that is not certain.
+    mask: Option<Doubled<i16>>,
+    /// M: the sum of m.
+    total: i64,
+    /// sum m q per channel.
+    sums: [i64; CHANNELS],
+    norm: u64,
+}
+
+impl Query {
+    /// A query that matches nothing: a place to [`Query::set`] one.
+    pub const EMPTY: Self = Self {
+        similarity: Similarity::Centred,
+        weights: Weights::EQUAL,
+        values: [[0; 2 * BINS]; CHANNELS],
+        mask: None,
+        total: 0,
+        sums: [0; CHANNELS],
+        norm: 0,
+    };
+
+    /// Prepares a query.
+    pub fn set(
+        &mut self,
+        descriptor: &Descriptor,
+        confidence: &Confidence,
+        weights: Weights,
+        similarity: Similarity,
+    ) {
+        self.similarity = similarity;
+        self.weights = weights;
+        let certain = confidence.is_certain();
+        let mask = |bin: usize| {
+            if certain { 1 } else { confidence.sixteenths().get(bin).copied().map_or(0, i16::from) }
+        };
+        self.total = (0..BINS).map(|bin| i64::from(mask(bin))).sum();
+        self.mask = (!certain).then(|| doubled(mask));
+        let profile = Profile::from(descriptor);
+        let mut squares = [0; CHANNELS];
+        for (((values, sum), square), profile) in
+            self.values.iter_mut().zip(&mut self.sums).zip(&mut squares).zip(&profile.values)
+        {
+            let value = |bin: usize| profile.get(bin).copied().unwrap_or(0);
+            // At most 16 * 1536 < 2^15.
+            *values = doubled(|bin| mask(bin) * value(bin));
+            *sum = (0..BINS).map(|bin| i64::from(mask(bin)) * i64::from(value(bin))).sum();
+            *square = (0..BINS).map(|bin| i64::from(mask(bin)) * i64::from(value(bin)).pow(2)).sum();
+        }
+        self.norm = self.norm_of(&self.sums, &squares);
+    }
+
+    /// The weights.
+    #[must_use]
+    pub const fn weights(&self) -> Weights {
+        self.weights
+    }
+
+    /// The kind of cosine.
+    #[must_use]
+    pub const fn similarity(&self) -> Similarity {
+        self.similarity
+    }
+
+    /// Whether some bins are less than certain.
+    #[must_use]
+    pub const fn is_masked(&self) -> bool {
+        self.mask.is_some()
+    }
+
+    /// The squared norm of the query in the integers of [`Query::parts`].
+    #[must_use]
+    pub const fn squared_norm(&self) -> u64 {
+        self.norm
+    }
+
+    /// sum m q of a channel.
+    pub(crate) fn sum(&self, channel: usize) -> i64 {
+        pick(&self.sums, channel)
+    }
+
+    /// m q per channel and bin, in units of 2^-10 (2^-14 for a masked query).
+    #[must_use]
+    pub fn channel(&self, channel: usize) -> &[i16] {
+        self.values.get(channel).and_then(|v| v.get(..BINS)).unwrap_or_default()
+    }
+
+    /// The query's value at a bin without its mean, times its confidence, in units of 2^-10: what a
+    /// correlation of the centred cosine sees.
+    pub(crate) fn balanced(&self, channel: usize, bin: usize) -> i16 {
+        let (value, sum) = (i64::from(pick(self.channel(channel), bin)), pick(&self.sums, channel));
+        let mask = self.mask.as_ref().map_or(1, |m| i64::from(pick(m, bin)));
+        let full = if self.is_masked() { i64::from(Confidence::FULL) } else { 1 };
+        // m (q - mean), the mean over trusted bins; at most 1536 in magnitude.
+        let centred = value * self.total - mask * sum;
+        centred.checked_div(self.total * full).unwrap_or(0) as i16
+    }
+
+    /// The exact score of a candidate at one shift (taken modulo 360).
+    #[must_use]
+    pub fn score(&self, candidate: &Candidate, shift: usize) -> Score {
+        let (numerator, norm) = self.parts(candidate, shift);
+        cosine(numerator, self.norm, norm)
+    }
+
+    /// The numerator and the candidate's squared norm at one shift, exact.
+    #[must_use]
+    pub fn parts(&self, candidate: &Candidate, shift: usize) -> (i64, u64) {
+        let start = (BINS - shift % BINS) % BINS;
+        let numerator = self.of_channels(|c| {
+            let values = self.values.get(c).and_then(|v| v.get(start..start + BINS)).unwrap_or_default();
+            let other = channel(candidate, c);
+            if self.is_masked() { masked_dot(values, other) } else { dot::<BINS>(values, other) }
+        });
+        let (sums, squares) = self.moments(candidate, start);
+        let numerator =
+            self.weigh(|c| self.spread(pick(&numerator, c), pick(&self.sums, c) * pick(&sums, c)));
+        (numerator, self.norm_of(&sums, &squares))
+    }
+
+    /// The squared norm of a side from its sums and sums of squares.
+    fn norm_of(&self, sums: &[i64; CHANNELS], squares: &[i64; CHANNELS]) -> u64 {
+        self.weigh(|c| self.spread(pick(squares, c), pick(sums, c).pow(2))).unsigned_abs()
+    }
+
+    /// sum m d and sum m d^2 per channel.
+    fn moments(&self, candidate: &Candidate, start: usize) -> ([i64; CHANNELS], [i64; CHANNELS]) {
+        let Some(mask) = &self.mask else {
+            return (candidate.sums.map(i64::from), candidate.squares.map(i64::from));
+        };
+        let mask = mask.get(start..start + BINS).unwrap_or_default();
+        let sums = self.of_channels(|c| dot::<BINS>(mask, channel(candidate, c)));
+        let squares = self.of_channels(|c| {
+            let values = channel(candidate, c);
+            // At most 16 * 1536 < 2^15.
+            let mut products = [0; BINS];
+            for ((product, m), v) in products.iter_mut().zip(mask).zip(values) {
+                *product = m * v;
+            }
+            masked_dot(&products, values)
+        });
+        (sums, squares)
+    }
+
+    /// The exact numerators of all shifts from one correlation, then of those near the top again in
+    /// exact integers: the best shift and its exact score. Of equal shifts the smallest wins.
+    ///
+    /// `correlator` must hold this query ([`Query::load`]); a masked query is summed directly.
+    #[must_use]
+    pub fn peak(&self, candidate: &Candidate, correlator: &mut Correlator) -> Peak {
+        if self.is_masked() {
+            return self.best_of(candidate, 0..BINS);
+        }
+        let mut rough = [0; BINS];
+        let _ = correlator.correlate(
+            self.other_extent(candidate),
+            |c, bin| self.other_value(candidate, c, bin),
+            &mut rough,
+        );
+        let top = rough.iter().copied().max().unwrap_or(0);
+        let near = (0..BINS).filter(|&s| pick(&rough, s) >= top.saturating_sub(2 * CORRELATION_ERROR));
+        self.best_of(candidate, near)
+    }
+
+    /// All 360 scores by one correlation, each within [`SCORE_ERROR`](super::SCORE_ERROR) of the exact one; a masked query is summed
+    /// directly and exactly.
+    pub fn scores(&self, candidate: &Candidate, correlator: &mut Correlator, out: &mut [Score; BINS]) {
+        if self.is_masked() {
+            for (shift, score) in out.iter_mut().enumerate() {
+                *score = self.score(candidate, shift);
+            }
+            return;
+        }
+        let mut rough = [0; BINS];
+        let exponent = correlator.correlate(
+            self.other_extent(candidate),
+            |c, bin| self.other_value(candidate, c, bin),
+            &mut rough,
+        );
+        let (sums, squares) = self.moments(candidate, 0);
+        let norm = self.norm_of(&sums, &squares);
+        // Centred values carry a factor M on both sides, the parts only one.
+        let factor = if self.similarity == Similarity::Centred { self.total.unsigned_abs() } else { 1 };
+        let norm = norm * factor;
+        let normalizer = Normalizer::new(self.norm * factor, norm, exponent);
+        for (score, value) in out.iter_mut().zip(rough) {
+            *score = normalizer.cosine(value);
+        }
+    }
+
+    /// Loads this query's weighted channels into a correlator.
+    pub fn load(&self, correlator: &mut Correlator) {
+        correlator.set_query(CHANNELS, |c, bin| {
+            let value = self.centred(i64::from(pick(self.channel(c), bin)), pick(&self.sums, c));
+            (i64::from(pick(&self.weights.0, c)) * value) as i32
+        });
+    }
+
+    /// How large the values of a candidate can be.
+    fn other_extent(&self, candidate: &Candidate) -> Extent {
+        let energy = |(&sum, &square): (&i32, &i32)| {
+            let (sum, square) = (i64::from(sum), i64::from(square));
+            match self.similarity {
+                Similarity::Plain => square,
+                // sum (360 v - S)^2 = 360 (360 sum v^2 - S^2)
+                Similarity::Centred => BINS as i64 * (BINS as i64 * square - sum * sum),
+            }
+        };
+        let total: i64 = candidate.sums.iter().zip(&candidate.squares).map(energy).sum();
+        // Values are at most 1536, centred ones 360 times that.
+        let largest = match self.similarity {
+            Similarity::Plain => 1536,
+            Similarity::Centred => 1536 * BINS as u32,
+        };
+        Extent { largest, norm: total.unsigned_abs().isqrt() + 1 }
+    }
+
+    fn other_value(&self, candidate: &Candidate, channel: usize, bin: usize) -> i32 {
+        let value = i32::from(candidate.profile.values.get(channel).map_or(0, |v| pick(v, bin)));
+        match self.similarity {
+            Similarity::Plain => value,
+            // Below 2^20 in magnitude.
+            Similarity::Centred => BINS as i32 * value - pick(&candidate.sums, channel),
+        }
+    }
+
+    /// 360 v - sum for the centred cosine, v for the plain one; below 2^20 in magnitude.
+    fn centred(&self, value: i64, sum: i64) -> i64 {
+        match self.similarity {
+            Similarity::Plain => value,
+            Similarity::Centred => BINS as i64 * value - sum,
+        }
+    }
+
+    fn best_of(&self, candidate: &Candidate, shifts: impl Iterator<Item = usize>) -> Peak {
+        let mut best: Option<Peak> = None;
+        for shift in shifts {
+            let score_bits = self.score(candidate, shift).to_bits();
+            if best.is_none_or(|b| score_bits > b.score_bits) {
+                best = Some(Peak { shift: shift as u16, score_bits });
+            }
+        }
+        best.unwrap_or(Peak { shift: 0, score_bits: 0 })
+    }
+
+    /// The plain or centred form of a product sum.
+    fn spread(&self, products: i64, product_of_sums: i64) -> i64 {
+        match self.similarity {
+            Similarity::Plain => products,
+            Similarity::Centred => self.total * products - product_of_sums,
+        }
+    }
+
+    /// A value for each channel that counts, 0 for the others.
+    fn of_channels(&self, value: impl Fn(usize) -> i64) -> [i64; CHANNELS] {
+        core::array::from_fn(|c| if pick(&self.weights.0, c) == 0 { 0 } else { value(c) })
+    }
+
+    /// The weighted sum over channels; below 2^57.
+    fn weigh(&self, value: impl Fn(usize) -> i64) -> i64 {
+        self.weights.0.iter().enumerate().map(|(c, &w)| i64::from(w) * value(c)).sum()
+    }
+}
+
+/// What one correlation may be off by, in its own LSB.
+const CORRELATION_ERROR: i32 = 16;
+
+fn doubled(value: impl Fn(usize) -> i16) -> Doubled<i16> {
+    core::array::from_fn(|i| value(i % BINS))
+}
+
+fn pick<T: Copy + Default>(values: &[T], index: usize) -> T {
+    values.get(index).copied().unwrap_or_default()
+}
+
+fn channel(candidate: &Candidate, channel: usize) -> &[i16; BINS] {
+    candidate.profile.values.get(channel).unwrap_or(&[0; BINS])
+}
+
+/// The sum of products of up to 24576 and 1536: each of eight sums stays below 45 x 24576 x 1536 < 2^31.
+fn masked_dot(a: &[i16], b: &[i16; BINS]) -> i64 {
+    const SUMS: usize = 8;
+    let mut sums = [0_i32; SUMS];
+    for (a, b) in a.as_chunks::<SUMS>().0.iter().zip(b.as_chunks::<SUMS>().0) {
+        for (sum, (a, b)) in sums.iter_mut().zip(a.iter().zip(b)) {
+            *sum += i32::from(*a) * i32::from(*b);
+        }
+    }
+    sums.into_iter().map(i64::from).sum()
+}

@@ -1,0 +1,161 @@
+//! A sketch of a descriptor in 24 bytes: the first six harmonics of the range and hit-type channels.
+//!
+//! Phases are kept, so two sketches can be laid over each other at any heading. It serves a board
+//! that cannot hold an index: all candidates are ranked by their sketches, the best are scored fully.
+
+use super::Channel;
+use crate::base::num::{BINS, degree_sine};
+use crate::descriptor::harmonics::{Pair, harmonics};
+use crate::descriptor::similarity::{Candidate, Query};
+use crate::map::site_map::{LayerView, SKETCH_BYTES};
+
+/// Harmonics kept of each of the two channels.
+pub const SKETCH_HARMONICS: usize = 6;
+/// Headings at which two sketches are compared: every 11.25 degrees.
+pub const SKETCH_POINTS: usize = 32;
+const _: () = assert!(SKETCH_BYTES == 4 * SKETCH_HARMONICS);
+
+/// The channels that are sketched.
+const SKETCHED: [Channel; 2] = [Channel::Range, Channel::HitType];
+
+/// Real and imaginary parts of harmonics 1..=6 of range, then of hit type, scaled to 127.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Sketch(pub [i8; SKETCH_BYTES]);
+
+type Coefficients = [[Pair<i64>; SKETCH_HARMONICS]; 2];
+
+impl Sketch {
+    /// The sketch of a candidate.
+    #[must_use]
+    pub fn new(candidate: &Candidate) -> Self {
+        let coefficients =
+            SKETCHED.map(|c| candidate.profile().values.get(c as usize).map_or([[0; 2]; 6], harmonics));
+        let largest = coefficients.as_flattened().as_flattened().iter().map(|v| v.abs()).max().unwrap_or(0);
+        let mut bytes = [0; SKETCH_BYTES];
+        for (byte, value) in bytes.iter_mut().zip(coefficients.as_flattened().as_flattened()) {
+            *byte = (value * 127).checked_div(largest).unwrap_or(0) as i8;
+        }
+        Self(bytes)
+    }
+
+    /// The sketch that a site map stores of a layer.
+    #[must_use]
+    pub fn stored(layer: &LayerView<'_>) -> Self {
+        Self(layer.sketch_bytes().map(u8::cast_signed))
+    }
+}
+
+/// A query's sketch, prepared for all headings.
+#[derive(Debug, Clone)]
+pub struct SketchQuery {
+    /// Weighted coefficients, at most 127 in magnitude.
+    coefficients: [i32; SKETCH_BYTES],
+    weights: [i32; 2],
+}
+
+/// cos and sin of 2 pi s / 32 in Q6, by s.
+static TURNS: [Pair<i32>; SKETCH_POINTS] = {
+    let mut turns = [[0; 2]; SKETCH_POINTS];
+    let mut s = 0;
+    while s < SKETCH_POINTS {
+        // Every 11.25 degrees, to the nearest degree: the ranking needs no more.
+        let degrees = (s * 45 + 2) / 4;
+        turns[s] = [degree_sine((degrees + 90) % BINS) >> 24, degree_sine(degrees % BINS) >> 24];
+        s += 1;
+    }
+    turns
+};
+
+impl SketchQuery {
+    /// Sketches a query; a masked query is sketched by its trusted bins.
+    #[must_use]
+    pub fn new(query: &Query) -> Self {
+        let weights = SKETCHED.map(|c| i64::from(query.weights().0.get(c as usize).copied().unwrap_or(0)));
+        let mut coefficients: Coefficients = [[[0; 2]; SKETCH_HARMONICS]; 2];
+        for ((block, channel), weight) in coefficients.iter_mut().zip(SKETCHED).zip(weights) {
+            let values = core::array::from_fn(|bin| query.balanced(channel as usize, bin));
+            *block = harmonics::<SKETCH_HARMONICS>(&values).map(|pair| pair.map(|v| v * weight));
+        }
+        let flat = || coefficients.as_flattened().as_flattened().iter();
+        let largest = flat().map(|v| v.abs()).max().unwrap_or(0);
+        let mut scaled = [0; SKETCH_BYTES];
+        for (out, value) in scaled.iter_mut().zip(flat()) {
+            *out = (value * 127).checked_div(largest).unwrap_or(0) as i32;
+        }
+        Self { coefficients: scaled, weights: weights.map(|w| w as i32) }
+    }
+
+    /// The best low-pass correlation over 32 headings, relative to the candidate's norm: comparable
+    /// between candidates, not a cosine.
+    #[must_use]
+    pub fn rank(&self, sketch: &Sketch) -> i32 {
+        let mut products = [[0; 2]; SKETCH_HARMONICS];
+        let mut energy = 0_i32;
+        let (queries, others) = (self.coefficients.as_chunks::<2>().0, sketch.0.as_chunks::<2>().0);
+        for ((channel_q, channel_d), weight) in queries
+            .chunks_exact(SKETCH_HARMONICS)
+            .zip(others.chunks_exact(SKETCH_HARMONICS))
+            .zip(self.weights)
+        {
+            for (([re, im], q), d) in products.iter_mut().zip(channel_q).zip(channel_d) {
+                let d = d.map(i32::from);
+                // conj(q) d
+                *re += q[0] * d[0] + q[1] * d[1];
+                *im += q[0] * d[1] - q[1] * d[0];
+                energy += weight * (d[0] * d[0] + d[1] * d[1]);
+            }
+        }
+        let best = (0..SKETCH_POINTS).map(|s| at(&products, s)).max().unwrap_or(0);
+        // Energy is at most 24 * 255 * 127^2 < 2^27; the peak at most 6 * 2 * 4 * 127^2 * 64 < 2^26.
+        let norm = energy.unsigned_abs().isqrt().cast_signed();
+        best.checked_div(norm >> 4).unwrap_or(0)
+    }
+}
+
+/// `Re sum_k p_k exp(2 pi i k s / 32)`, Q6.
+fn at(products: &[Pair<i32>; SKETCH_HARMONICS], s: usize) -> i32 {
+    let turn = |k: usize| TURNS.get(k * s % SKETCH_POINTS).copied().unwrap_or([0; 2]);
+    products
+        .iter()
+        .enumerate()
+        .map(|(k, [re, im])| {
+            let [cos, sin] = turn(k + 1);
+            re * cos - im * sin
+        })
+        .sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::scan::{Hit, Scan};
+    use crate::descriptor::Descriptor;
+    use crate::descriptor::similarity::{Confidence, Similarity, Weights};
+    use std::boxed::Box;
+
+    fn descriptor(seed: usize, turn: usize) -> Descriptor {
+        let mut scan = Scan::OPEN;
+        for j in 0..BINS {
+            let i = (j + turn) % BINS;
+            scan.steps[j] = (200 + (i * seed) % 331 + 3 * (i / 40) * seed % 400) as u16;
+            scan.hit[j] = if (i / 25 + seed).is_multiple_of(3) { Hit::Window } else { Hit::Wall };
+        }
+        Descriptor::from(&scan)
+    }
+
+    #[test]
+    fn its_own_place_ranks_high_at_any_heading() {
+        let mut query = Box::new(Query::EMPTY);
+        let mut first = 0;
+        for turn in (0..BINS).step_by(12) {
+            query.set(&descriptor(7, turn), &Confidence::CERTAIN, Weights::EQUAL, Similarity::Centred);
+            let sketch = SketchQuery::new(&query);
+            let rank = |seed: usize| sketch.rank(&Sketch::new(&Candidate::from(&descriptor(seed, 0))));
+            let better =
+                [3, 5, 11, 13, 29, 31, 37, 41, 43].into_iter().filter(|&s| rank(s) >= rank(7)).count();
+            assert!(better <= 2, "turn {turn}: {better} of 9 rank higher");
+            first += usize::from(better == 0);
+        }
+        assert!(first >= 20, "first at {first} of 30 headings");
+    }
+}

@@ -1,0 +1,90 @@
+//! Writing a site from floors that are there in full.
+
+use super::layout::{Cursor, ENTRY_BYTES, Entry, HEADER_BYTES, NAME_BYTES, SUMMED_BYTES, header_checksum};
+use super::{Floor, MAGIC, MAX_FLOORS, SiteError, VERSION};
+use crate::base::crc::{Sink, Summed};
+
+/// Floors that make a site, ready to be written.
+#[derive(Debug, Clone, Copy)]
+pub struct Writer<'f, 'a> {
+    floors: &'f [Floor<'a>],
+    site_bytes: usize,
+}
+
+impl<'f, 'a> Writer<'f, 'a> {
+    /// Checks that the floors make a site.
+    ///
+    /// # Errors
+    /// [`SiteError::Floors`], [`SiteError::SameName`], and [`SiteError::Length`] for 4 GiB or more.
+    pub fn new(floors: &'f [Floor<'a>]) -> Result<Self, SiteError> {
+        if !(1..=MAX_FLOORS).contains(&floors.len()) {
+            return Err(SiteError::Floors);
+        }
+        let mut cursor = Cursor::new(floors.len());
+        for (number, floor) in floors.iter().enumerate() {
+            if floors.iter().take(number).any(|before| before.name() == floor.name()) {
+                return Err(SiteError::SameName(number as u8));
+            }
+            for part in floor.parts() {
+                u32::try_from(part.len()).ok().and_then(|len| cursor.place(len)).ok_or(SiteError::Length)?;
+            }
+        }
+        Ok(Self { floors, site_bytes: cursor.site_bytes().ok_or(SiteError::Length)? })
+    }
+
+    /// Bytes of the whole site.
+    #[must_use]
+    pub const fn site_bytes(&self) -> usize {
+        self.site_bytes
+    }
+
+    /// Writes the site and gives the sink back.
+    ///
+    /// # Errors
+    /// What the sink reports.
+    pub fn write<S: Sink>(&self, sink: S) -> Result<S, S::Error> {
+        let mut entries = [[0; ENTRY_BYTES]; MAX_FLOORS];
+        let mut cursor = Cursor::new(self.floors.len());
+        for (entry, floor) in entries.iter_mut().zip(self.floors) {
+            *entry = entry_of(floor, &mut cursor);
+        }
+        let entries = entries.get(..self.floors.len()).unwrap_or_default();
+        let mut out = Summed::new(sink);
+        out.append(&header(entries))?;
+        out.append(entries.as_flattened())?;
+        for part in self.floors.iter().flat_map(Floor::parts) {
+            out.append(part)?;
+            out.append(Cursor::padding(part.len()))?;
+        }
+        out.finish()
+    }
+}
+
+fn header(entries: &[Entry]) -> [u8; HEADER_BYTES] {
+    let mut bytes = [0; HEADER_BYTES];
+    let (summed, crc) = bytes.split_at_mut(SUMMED_BYTES);
+    let fields = MAGIC.into_iter().chain(VERSION.to_le_bytes()).chain([entries.len() as u8]);
+    for (byte, value) in summed.iter_mut().zip(fields) {
+        *byte = value;
+    }
+    crc.copy_from_slice(&header_checksum(summed, entries).to_le_bytes());
+    bytes
+}
+
+fn entry_of(floor: &Floor<'_>, cursor: &mut Cursor) -> Entry {
+    let mut entry = [0; ENTRY_BYTES];
+    let (name, parts) = entry.split_at_mut(NAME_BYTES);
+    // At most 23 bytes, as every floor's.
+    let field = core::iter::once(floor.name().len() as u8).chain(floor.name().bytes());
+    for (byte, value) in name.iter_mut().zip(field) {
+        *byte = value;
+    }
+    for (field, part) in parts.as_chunks_mut::<8>().0.iter_mut().zip(floor.parts()) {
+        // Lengths were counted when the writer was made.
+        let len = part.len() as u32;
+        let [o0, o1, o2, o3] = cursor.place(len).unwrap_or(0).to_le_bytes();
+        let [l0, l1, l2, l3] = len.to_le_bytes();
+        *field = [o0, o1, o2, o3, l0, l1, l2, l3];
+    }
+    entry
+}

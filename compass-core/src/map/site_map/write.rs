@@ -1,0 +1,114 @@
+//! Writing a site map, candidate by candidate.
+
+use super::{
+    CELL_BYTES, HEADER_BYTES, LAYER_BYTES, MAGIC, PackedScan, SIGNATURE_BYTES, SKETCH_BYTES, TRAILER_BYTES,
+    VERSION,
+};
+use crate::base::crc::{CRC32, Sink, Summed};
+use crate::map::plan::Frame;
+
+/// What a map says of itself.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Header {
+    /// Number of candidates.
+    pub candidates: u32,
+    /// Layers per candidate, 1 or 2.
+    pub layers: u8,
+    /// Resolution and origin of the plan.
+    pub frame: Frame,
+    /// Distance between candidates in millimetres.
+    pub spacing_mm: u32,
+    /// Width and height of the plan in cells.
+    pub plan_size: [u32; 2],
+    /// Checksum of the packed plan.
+    pub plan_checksum: u32,
+}
+
+impl Header {
+    /// Bytes of the whole map; `None` when it is more than this machine can address.
+    #[must_use]
+    pub fn map_bytes(&self) -> Option<usize> {
+        let record = CELL_BYTES + usize::from(self.layers) * LAYER_BYTES;
+        let records = usize::try_from(self.candidates).ok()?.checked_mul(record)?;
+        records.checked_add(HEADER_BYTES + TRAILER_BYTES)
+    }
+
+    fn to_bytes(self) -> [u8; HEADER_BYTES] {
+        let mut bytes = [0; HEADER_BYTES];
+        let mut at = 0;
+        let mut put = |field: &[u8]| {
+            if let Some(slot) = bytes.get_mut(at..at + field.len()) {
+                slot.copy_from_slice(field);
+            }
+            at += field.len();
+        };
+        put(&MAGIC);
+        put(&VERSION.to_le_bytes());
+        put(&[self.layers, 0]);
+        put(&self.candidates.to_le_bytes());
+        put(&self.frame.resolution_nm.to_le_bytes());
+        put(&self.spacing_mm.to_le_bytes());
+        put(&self.frame.origin.x.to_bits().to_le_bytes());
+        put(&self.frame.origin.y.to_bits().to_le_bytes());
+        put(&self.plan_size[0].to_le_bytes());
+        put(&self.plan_size[1].to_le_bytes());
+        put(&self.plan_checksum.to_le_bytes());
+        let (body, crc) = bytes.split_at_mut(HEADER_BYTES - 4);
+        crc.copy_from_slice(&CRC32.checksum(body).to_le_bytes());
+        bytes
+    }
+}
+
+/// Writes a map: the header at once, then every candidate, then [`Writer::finish`].
+#[derive(Debug)]
+pub struct Writer<S>(Summed<S>);
+
+impl<S: Sink> Writer<S> {
+    /// Begins a map. As many candidates as the header says must follow; the reader finds out.
+    ///
+    /// # Errors
+    /// What the sink reports.
+    pub fn new(sink: S, header: &Header) -> Result<Self, S::Error> {
+        let mut out = Summed::new(sink);
+        out.append(&header.to_bytes())?;
+        Ok(Self(out))
+    }
+
+    /// Appends one candidate: its plan cell and one scan per layer, cast with heading 0.
+    ///
+    /// # Errors
+    /// What the sink reports.
+    pub fn candidate(&mut self, cell: [u16; 2], layers: &[Layer]) -> Result<(), S::Error> {
+        self.0.append(&cell[0].to_le_bytes())?;
+        self.0.append(&cell[1].to_le_bytes())?;
+        for layer in layers {
+            self.0.append(&layer.0)?;
+        }
+        Ok(())
+    }
+
+    /// Ends the map and gives the sink back.
+    ///
+    /// # Errors
+    /// What the sink reports.
+    pub fn finish(self) -> Result<S, S::Error> {
+        self.0.finish()
+    }
+}
+
+/// One layer of a candidate, ready to be written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Layer([u8; LAYER_BYTES]);
+
+impl Layer {
+    /// A scan cast with heading 0, with its signature and its sketch: see
+    /// [`layer_of`](crate::descriptor::layer_of).
+    #[must_use]
+    pub fn new(scan: &PackedScan, signature: &[u8; SIGNATURE_BYTES], sketch: &[u8; SKETCH_BYTES]) -> Self {
+        let mut bytes = [0; LAYER_BYTES];
+        for (byte, value) in bytes.iter_mut().zip(signature.iter().chain(sketch).chain(&scan.0)) {
+            *byte = *value;
+        }
+        Self(bytes)
+    }
+}

@@ -1,0 +1,66 @@
+//! The best poses that lie apart.
+
+use super::search::{FloorLayer, ScoredPose};
+use crate::base::num::{Metres, Turn};
+use crate::base::order;
+use crate::base::pose::MAX_ALTERNATIVES;
+
+/// Alternatives are at least this far apart...
+const APART: Metres = Metres::ONE;
+/// ...or this much.
+const APART_TURN: Turn = Turn::from_ratio(20, 360);
+
+/// What was found, best first.
+#[derive(Debug, Clone)]
+pub struct Answer {
+    modes: heapless::Vec<ScoredPose, MAX_ALTERNATIVES>,
+}
+
+impl Answer {
+    /// No pose.
+    pub(crate) const fn nothing() -> Self {
+        Self { modes: heapless::Vec::new() }
+    }
+
+    /// The best pose and its alternatives: on other floors, or at least 1 m or 20 degrees apart.
+    #[must_use]
+    pub fn modes(&self) -> &[ScoredPose] {
+        &self.modes
+    }
+
+    /// The best pose.
+    #[must_use]
+    pub fn best(&self) -> Option<&ScoredPose> {
+        self.modes.first()
+    }
+
+    /// The best score; below all others without a pose.
+    pub(crate) fn score(&self) -> i32 {
+        self.best().map_or(i32::MIN, |mode| mode.score)
+    }
+
+    /// By how much the best score exceeds the best one elsewhere, in 1/16 nat; the best score itself,
+    /// which is relative to "nothing known", when there is no other.
+    #[must_use]
+    pub fn margin(&self) -> i32 {
+        let score = |at: usize| self.modes.get(at).map_or(0, |mode| mode.score);
+        score(0).saturating_sub(score(1))
+    }
+}
+
+/// Sorts [refined](super::refine()) modes and keeps the best that lie apart. The same pose on two layers of one floor
+/// counts once, by its better layer; modes of layers that do not exist do not count.
+#[must_use]
+pub fn answer(layers: &[FloorLayer<'_>], modes: &mut [ScoredPose]) -> Answer {
+    let floor = |mode: &ScoredPose| layers.get(usize::from(mode.layer)).map(|layer| layer.floor);
+    order::sort_by_key(modes, ScoredPose::order);
+    let mut kept: heapless::Vec<ScoredPose, MAX_ALTERNATIVES> = heapless::Vec::new();
+    for mode in modes.iter().filter(|mode| floor(mode).is_some() && mode.score > i32::MIN) {
+        let is_near =
+            |other: &ScoredPose| floor(other) == floor(mode) && mode.is_near(other, APART, APART_TURN);
+        if !kept.iter().any(is_near) && kept.push(*mode).is_err() {
+            break;
+        }
+    }
+    Answer { modes: kept }
+}

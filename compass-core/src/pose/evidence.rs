@@ -1,0 +1,247 @@
+//! What was seen, as log-likelihood ratios of what the plan could have there.
+
+use crate::base::ladder::{FRACTION_BITS, RANGES, position_of};
+use crate::base::num::BINS;
+use crate::base::scan::Hit;
+use crate::vision::boundary::RangeLikelihoods;
+use crate::vision::windows::WindowEvidence;
+use bytemuck::{Pod, Zeroable};
+
+/// Planes of a table: walls by rung, then windows by rung, then open.
+pub const PLANES: usize = 2 * RANGES + 1;
+/// The plane of "nothing within 30 m".
+pub const OPEN_PLANE: u8 = 2 * RANGES as u8;
+/// Largest magnitude of a value: 5.5 nat. 360 of them fit 16 bits.
+pub const LIMIT: i8 = 88;
+
+/// Log-likelihood ratios against "nothing known", in 1/16 nat: 52,200 bytes.
+///
+/// Bin j looks along heading + j degrees, counter-clockwise. A column of zeros is a direction of which
+/// nothing is known: it neither helps nor hurts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
+#[repr(transparent)]
+pub struct EvidenceTable {
+    values: [[i8; BINS]; PLANES],
+}
+
+impl EvidenceTable {
+    /// Nothing known anywhere.
+    pub const EMPTY: Self = Self { values: [[0; BINS]; PLANES] };
+
+    /// All directions of one plane; `None` from [`PLANES`] on.
+    #[must_use]
+    pub fn plane(&self, plane: u8) -> Option<&[i8; BINS]> {
+        self.values.get(usize::from(plane))
+    }
+
+    /// One value; 0 outside the table.
+    #[must_use]
+    pub fn get(&self, plane: u8, bin: usize) -> i8 {
+        self.plane(plane).and_then(|row| row.get(bin)).copied().unwrap_or(0)
+    }
+
+    /// Writes one value, clipped to +-[`LIMIT`]; outside the table nothing happens.
+    pub fn set(&mut self, plane: u8, bin: usize, value: i32) {
+        if let Some(slot) = self.values.get_mut(usize::from(plane)).and_then(|row| row.get_mut(bin)) {
+            *slot = value.clamp(-i32::from(LIMIT), i32::from(LIMIT)) as i8;
+        }
+    }
+
+    /// Writes one plane, clipped to +-[`LIMIT`]; outside the table nothing happens.
+    pub fn set_plane(&mut self, plane: u8, values: &[i32; BINS]) {
+        let Some(row) = self.values.get_mut(usize::from(plane)) else { return };
+        for (slot, value) in row.iter_mut().zip(values) {
+            *slot = (*value).clamp(-i32::from(LIMIT), i32::from(LIMIT)) as i8;
+        }
+    }
+
+    /// The value in a direction at a range between two rungs, linear in the logarithm of the range, in
+    /// 1/4096 nat. Ranges below rung 0 count as rung 0.
+    #[must_use]
+    pub fn at(&self, steps: u16, hit: Hit, bin: usize) -> i32 {
+        self.between(steps, hit).at(bin)
+    }
+
+    /// The two rows around a range.
+    pub(super) fn between(&self, steps: u16, hit: Hit) -> Between<'_> {
+        let position = position_of(steps);
+        let rung = usize::from(position >> FRACTION_BITS);
+        let (first, last) = match hit {
+            Hit::Wall => (rung, RANGES - 1),
+            Hit::Window => (RANGES + rung, 2 * RANGES - 1),
+            Hit::Open => (2 * RANGES, 2 * RANGES),
+        };
+        let row = |plane: usize| self.values.get(plane.min(last)).unwrap_or(&[0; BINS]);
+        Between {
+            rows: [row(first), row(first + 1)],
+            fraction: i32::from(position & ((1 << FRACTION_BITS) - 1)),
+        }
+    }
+}
+
+impl Default for EvidenceTable {
+    fn default() -> Self {
+        Self::EMPTY
+    }
+}
+
+/// Two neighbouring rows of a table and where between them a range lies.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Between<'a> {
+    rows: [&'a [i8; BINS]; 2],
+    /// In 1/256 of the way to the second.
+    fraction: i32,
+}
+
+impl Between<'_> {
+    /// The value in a direction, 1/4096 nat; 0 in none.
+    #[inline]
+    pub(super) fn at(&self, bin: usize) -> i32 {
+        let [near, far] = self.rows.map(|row| row.get(bin).copied().unwrap_or(0));
+        self.mix(near, far)
+    }
+
+    /// Adds the values in the directions around a bin, 1/4096 nat, the farthest to the left first.
+    #[inline]
+    pub(super) fn add_around<const DIRECTIONS: usize>(&self, bin: usize, sums: &mut [i32; DIRECTIONS]) {
+        let right = bin.wrapping_sub(DIRECTIONS / 2);
+        let part =
+            |row: &[i8; BINS]| row.get(right..).and_then(|row| row.first_chunk::<DIRECTIONS>()).copied();
+        if let [Some(near), Some(far)] = self.rows.map(part) {
+            for (sum, (near, far)) in sums.iter_mut().zip(near.iter().zip(&far).rev()) {
+                *sum += self.mix(*near, *far);
+            }
+            return;
+        }
+        let mut from = (bin + DIRECTIONS / 2) % BINS;
+        for sum in sums {
+            *sum += self.at(from);
+            from = from.checked_sub(1).unwrap_or(BINS - 1);
+        }
+    }
+
+    fn mix(&self, near: i8, far: i8) -> i32 {
+        let (near, far) = (i32::from(near), i32::from(far));
+        (near << FRACTION_BITS) + (far - near) * self.fraction
+    }
+}
+
+/// The plane of what a ray met: the nearest rung in the logarithm of the range, rung 0 below 0.4 m.
+#[must_use]
+pub const fn plane_of(steps: u16, hit: Hit) -> u8 {
+    let rung = ((position_of(steps) + (1 << (FRACTION_BITS - 1))) >> FRACTION_BITS) as u8;
+    match hit {
+        Hit::Wall => rung,
+        Hit::Window => RANGES as u8 + rung,
+        Hit::Open => OPEN_PLANE,
+    }
+}
+
+/// Share of directions in which what looks like window or wall says nothing of the plan.
+const OUTLIERS: f32 = 0.1;
+/// Share of directions in which plans have windows.
+const WINDOWS: f32 = 0.3;
+/// Weight of the hit type beside the range: its bins lie in windows of many bins, so that they err together.
+const WEIGHT: f32 = 0.7;
+
+/// Fills a table with the likelihoods of ranges and hit types, for a camera height in
+/// [rungs](crate::base::ladder::height_rungs).
+pub fn weigh(ranges: &RangeLikelihoods, height: i8, sighting: &WindowEvidence, table: &mut EvidenceTable) {
+    let mut window = [0_i32; BINS];
+    let mut wall = [0_i32; BINS];
+    let known = sighting.confidence.sixteenths();
+    for (((window, wall), odds), known) in window.iter_mut().zip(&mut wall).zip(&sighting.evidence).zip(known)
+    {
+        if *known > 0 {
+            [*window, *wall] = hit_ratios(*odds);
+        }
+    }
+    let mut row = [0_i32; BINS];
+    for rung in 0..RANGES {
+        let range = ranges.row(rung, height);
+        for (plane, hit) in [(rung, &wall), (RANGES + rung, &window)] {
+            row.iter_mut().zip(range).zip(hit).for_each(|((sum, range), hit)| *sum = i32::from(*range) + hit);
+            table.set_plane(plane as u8, &row);
+        }
+    }
+    row.iter_mut().zip(ranges.row(RANGES - 1, height)).for_each(|(value, range)| *value = i32::from(*range));
+    table.set_plane(OPEN_PLANE, &row);
+}
+
+/// Log-likelihood ratios of a window and of a wall in the plan, 1/16 nat, from the log odds of a window, 1/256 nat.
+fn hit_ratios(odds: i16) -> [i32; 2] {
+    let window = 1.0 / (1.0 + libm::expf(-f32::from(odds) / 256.0));
+    let ratio = |share: f32, usual: f32| {
+        let ratio = (1.0 - OUTLIERS) * share / usual + OUTLIERS;
+        libm::roundf(16.0 * WEIGHT * libm::logf(ratio)) as i32
+    };
+    [ratio(window, WINDOWS), ratio(1.0 - window, 1.0 - WINDOWS)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::scan::MAX_STEPS;
+
+    /// Where a range in metres lies among the rungs.
+    fn exact(metres: f64) -> f64 {
+        71.0 * (metres / 0.4).ln() / 75f64.ln()
+    }
+
+    #[test]
+    fn a_range_goes_to_the_nearest_rung() {
+        let mut before = 0;
+        for steps in 0..=MAX_STEPS {
+            let plane = plane_of(steps, Hit::Wall);
+            assert!(plane >= before, "monotone");
+            before = plane;
+            let off = f64::from(plane) - exact(f64::from(steps.max(20)) * 0.02);
+            assert!(off.abs() <= 0.5 + 1.0 / 256.0, "{steps} steps: {off} rungs off");
+            assert_eq!(plane_of(steps, Hit::Window), plane + RANGES as u8);
+            assert_eq!(plane_of(steps, Hit::Open), OPEN_PLANE);
+        }
+        assert_eq!(
+            (plane_of(1, Hit::Wall), plane_of(1500, Hit::Wall), plane_of(u16::MAX, Hit::Wall)),
+            (0, 71, 71)
+        );
+    }
+
+    #[test]
+    fn between_rungs_values_are_linear() {
+        let mut table = EvidenceTable::EMPTY;
+        for rung in 0..RANGES as u8 {
+            table.set(rung, 7, i32::from(rung));
+            table.set(RANGES as u8 + rung, 7, -i32::from(rung));
+        }
+        table.set(OPEN_PLANE, 7, 50);
+        for steps in 1..=MAX_STEPS {
+            let expected = exact(f64::from(steps.max(20)) * 0.02);
+            let got = f64::from(table.at(steps, Hit::Wall, 7)) / 256.0;
+            assert!((got - expected).abs() < 0.0021, "{steps} steps: {got}, not {expected}");
+            assert_eq!(table.at(steps, Hit::Window, 7), -table.at(steps, Hit::Wall, 7));
+            assert_eq!(table.at(steps, Hit::Open, 7), 50 * 256);
+            assert_eq!(table.at(steps, Hit::Wall, 8), 0);
+        }
+        assert_eq!(table.at(100, Hit::Wall, BINS), 0);
+    }
+
+    #[test]
+    fn values_are_clipped_and_outside_is_harmless() {
+        let mut table = EvidenceTable::EMPTY;
+        table.set(3, 4, 1000);
+        table.set(3, 5, -1000);
+        table.set(PLANES as u8, 0, 5);
+        table.set(0, BINS, 5);
+        (0..PLANES as u8).for_each(|plane| table.set(plane, BINS, 5));
+        assert_eq!((table.get(3, 4), table.get(3, 5), table.get(255, 0)), (LIMIT, -LIMIT, 0));
+        table.set(3, 4, 0);
+        table.set(3, 5, 0);
+        assert_eq!(table, EvidenceTable::EMPTY);
+        let value = |plane: u8| plane as i8;
+        (0..PLANES as u8).for_each(|plane| table.set(plane, 9, value(plane).into()));
+        for plane in 0..PLANES as u8 {
+            assert_eq!(table.get(plane, 9), value(plane).clamp(-LIMIT, LIMIT));
+        }
+        assert!(table.plane(OPEN_PLANE).is_some() && table.plane(PLANES as u8).is_none());
+    }
+}

@@ -1,0 +1,392 @@
+//! A table laid out so that a candidate is scored at all headings by a few sums of long rows.
+//!
+//! The candidate's ray i, cast with heading 0, is seen by a robot of heading h in bin i - h. Rows are
+//! stored backwards, so the values of all headings lie one behind the other, and twice, so that they
+//! do not wrap. A row holds running sums: neighbouring rays of one plane (a third to two thirds of
+//! all) cost one difference instead of one sum each. Values count from -[`LIMIT`], so running sums only
+//! grow; they may wrap at 2^16, which the last difference undoes: 360 values reach at most 63,360.
+
+use super::evidence::{EvidenceTable, LIMIT, OPEN_PLANE, PLANES, plane_of};
+use crate::base::ladder::RANGES;
+use crate::base::num::BINS;
+use crate::base::scan::{Hit, Scan};
+use crate::map::site_map::{LADDER, PACKED_SCAN_BYTES};
+use bytemuck::{Pod, Zeroable};
+
+/// The value of "nothing known", counted from -[`LIMIT`].
+const ZERO: u16 = LIMIT.unsigned_abs() as u16;
+const _: () = assert!(BINS * 2 * ZERO as usize <= u16::MAX as usize, "sums fit 16 bits");
+/// Up to here running sums around the circle and once more do not wrap.
+const UNWRAPPED: usize = u16::MAX as usize / (4 * ZERO as usize);
+
+/// Planes of walls by range code; open is open.
+static WALL_PLANES: [u8; 256] = {
+    let mut planes = [OPEN_PLANE; 256];
+    let mut code = 0;
+    while code < LADDER.len() {
+        planes[code] = plane_of(LADDER[code], Hit::Wall);
+        code += 1;
+    }
+    planes
+};
+
+/// A [`EvidenceTable`] at N headings, 360 or a divisor of it that is even: 870 N bytes.
+///
+/// A bin is the mean of the table's `360 / N`, rounded to the nearest 1/16 nat.
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(transparent)]
+pub struct Rows<const N: usize> {
+    /// Sums of what lies before, backwards from the last bin and around the circle twice; then sums of
+    /// [`ROUGH`](Self::ROUGH) bins, from every other one on, backwards from bin 0 and twice.
+    sums: [[[u16; N]; 3]; PLANES],
+}
+
+impl<const N: usize> Rows<N> {
+    /// EvidenceTable bins of one bin.
+    pub const STRIDE: usize = {
+        assert!(N > 0 && BINS.is_multiple_of(N) && N.is_multiple_of(2), "N divides 360 and is even");
+        BINS / N
+    };
+
+    /// Rows to be [set](Rows::set): all bytes zero.
+    pub const BLANK: Self = Self { sums: [[[0; N]; 3]; PLANES] };
+
+    /// Every how many-th ray a rough score looks at: a divisor of N that is even.
+    const ROUGH: usize = if N.is_multiple_of(6) {
+        6
+    } else if N.is_multiple_of(4) {
+        4
+    } else {
+        2
+    };
+
+    /// A sum of N bins as one of 360.
+    pub(super) const fn of_360(score: i16) -> i32 {
+        score as i32 * Self::STRIDE as i32
+    }
+
+    /// Takes over a table.
+    pub fn set(&mut self, table: &EvidenceTable) {
+        for (plane, [once, again, rough]) in (0..).zip(&mut self.sums) {
+            let Some(values) = table.plane(plane) else { return };
+            let mut bins = [0; N];
+            for (bin, values) in bins.iter_mut().zip(values.chunks_exact(Self::STRIDE)) {
+                let whole: u16 =
+                    values.iter().map(|&v| i16::from(v).cast_unsigned().wrapping_add(ZERO)).sum();
+                *bin = (whole + Self::STRIDE as u16 / 2) / Self::STRIDE as u16;
+            }
+            let mut sum = 0_u16;
+            for copy in [once, again] {
+                for (slot, bin) in copy.iter_mut().zip(bins.iter().rev()) {
+                    *slot = sum;
+                    sum = sum.wrapping_add(*bin);
+                }
+            }
+            for (at, slot) in rough.iter_mut().enumerate() {
+                let from = 2 * N - 2 * at;
+                *slot = (from..from + Self::ROUGH).map(|bin| bins.get(bin % N).copied().unwrap_or(0)).sum();
+            }
+        }
+    }
+
+    /// The planes of a candidate, from its scan cast with heading 0.
+    #[must_use]
+    pub fn planes(scan: &Scan) -> [u8; N] {
+        let mut planes = [OPEN_PLANE; N];
+        // The middle one of the bins that make up a bin.
+        let middle = Self::STRIDE / 2;
+        let rays = scan.steps.iter().zip(&scan.hit).skip(middle).step_by(Self::STRIDE);
+        for (plane, (&steps, &hit)) in planes.iter_mut().zip(rays) {
+            *plane = plane_of(steps, hit);
+        }
+        planes
+    }
+
+    /// The planes of a candidate from the bytes a site map stores; those of the unpacked scan.
+    #[must_use]
+    #[inline]
+    pub fn planes_of_packed(packed: &[u8; PACKED_SCAN_BYTES]) -> [u8; N] {
+        let mut planes = [OPEN_PLANE; N];
+        for (plane, seen) in planes.iter_mut().zip(Self::every_plane(packed, 1)) {
+            *plane = seen;
+        }
+        planes
+    }
+
+    /// Those of every `step`-th ray.
+    #[inline]
+    fn every_plane(packed: &[u8; PACKED_SCAN_BYTES], step: usize) -> impl Iterator<Item = u8> {
+        let (codes, windows) = packed.split_at(BINS);
+        (Self::STRIDE / 2..BINS).step_by(step * Self::STRIDE).map(move |bin| {
+            let code = codes.get(bin).map_or(0, |code| usize::from(*code));
+            let bits = windows.get(bin / 8).copied().unwrap_or(0);
+            let wall = WALL_PLANES.get(code).copied().unwrap_or(OPEN_PLANE);
+            (wall + RANGES as u8 * (bits >> (bin % 8) & 1)).min(OPEN_PLANE)
+        })
+    }
+
+    /// Log-likelihood at every heading, in 1/16 nat and of N bins: `out[s]` at heading s 360 / N degrees.
+    ///
+    /// A plane that does not exist counts as open.
+    #[inline]
+    pub fn scores(&self, planes: &[u8; N], out: &mut [i16; N]) {
+        *out = self.sums_of(planes).map(Self::of_sum);
+    }
+
+    /// About the best of them, for a candidate as a site map stores it, in a tenth of the time: a fourth of its rays or
+    /// fewer stand for those after them as well, and every other heading is tried.
+    #[must_use]
+    #[inline]
+    pub fn rough_top(&self, packed: &[u8; PACKED_SCAN_BYTES]) -> i16 {
+        let mut sums = [0; N];
+        let sums = sums.get_mut(..N / 2).unwrap_or_default();
+        let mut rays = (1..=N / 2).rev().step_by(Self::ROUGH / 2).zip(Self::every_plane(packed, Self::ROUGH));
+        let mut row = || {
+            let (from, plane) = rays.next()?;
+            self.sums.get(usize::from(plane))?.get(2)?.get(from..from + N / 2)
+        };
+        while let Some(first) = row() {
+            let mut more = || row().unwrap_or(&[0; N]);
+            let five = [first, more(), more(), more(), more()];
+            if N.is_multiple_of(4) { add_rough_pairs(five, sums) } else { add_rough(five, sums) }
+        }
+        Self::of_sum(sums.iter().fold(0, |top, sum| top.max(*sum)))
+    }
+
+    /// Sums of values counted from -[`LIMIT`].
+    #[inline]
+    fn sums_of(&self, planes: &[u8; N]) -> [u16; N] {
+        let mut sums = [0; N];
+        let mut runs = self.runs(planes);
+        while let Some(first) = runs.next() {
+            let mut more = || runs.next().unwrap_or(Run::NONE);
+            let three = [first, more(), more()];
+            if N <= UNWRAPPED { add_pairs(three, &mut sums) } else { add(three, &mut sums) }
+        }
+        sums
+    }
+
+    const fn of_sum(sum: u16) -> i16 {
+        sum.wrapping_sub(N as u16 * ZERO).cast_signed()
+    }
+
+    /// Per run of equal planes the two rows whose difference is its sum.
+    #[inline]
+    fn runs<'a>(&'a self, planes: &'a [u8; N]) -> impl Iterator<Item = Run<'a, N>> {
+        let (mut at, mut rest) = (N, planes.as_slice());
+        core::iter::from_fn(move || {
+            let plane = *rest.first()?;
+            let length = rest.iter().position(|other| *other != plane).unwrap_or(rest.len());
+            rest = rest.get(length..).unwrap_or_default();
+            let row = self.sums.get(usize::from(plane.min(OPEN_PLANE)));
+            let row = row.map(|copies| copies.as_flattened()).unwrap_or_default();
+            let part = |from: usize| row.get(from..).and_then(<[u16]>::first_chunk).unwrap_or(&[0; N]);
+            let from = at;
+            at = at.saturating_sub(length);
+            Some(Run { plus: part(from), minus: part(at) })
+        })
+    }
+}
+
+/// Running sums at all headings, from the first ray of a run on and from behind the last.
+#[derive(Debug, Clone, Copy)]
+struct Run<'a, const N: usize> {
+    plus: &'a [u16; N],
+    minus: &'a [u16; N],
+}
+
+impl<const N: usize> Run<'_, N> {
+    const NONE: Self = Self { plus: &[0; N], minus: &[0; N] };
+}
+
+/// Adds three runs: as many as the registers of a small processor can follow.
+#[inline]
+fn add<const N: usize>([a, b, c]: [Run<'_, N>; 3], sums: &mut [u16; N]) {
+    let plus = a.plus.iter().zip(b.plus).zip(c.plus);
+    let minus = a.minus.iter().zip(b.minus).zip(c.minus);
+    for (sum, (((a, b), c), ((d, e), f))) in sums.iter_mut().zip(plus.zip(minus)) {
+        let rise = a.wrapping_sub(*d).wrapping_add(b.wrapping_sub(*e)).wrapping_add(c.wrapping_sub(*f));
+        *sum = sum.wrapping_add(rise);
+    }
+}
+
+/// Adds three runs, two headings to a word: without wrapping no half ever borrows from the next for good.
+#[inline]
+fn add_pairs<const N: usize>(runs: [Run<'_, N>; 3], sums: &mut [u16; N]) {
+    let rise = |plus: &[u16; 2], minus: &[u16; 2]| word(plus).wrapping_sub(word(minus));
+    let [a, b, c] = runs.map(|run| run.plus.as_chunks::<2>().0.iter().zip(run.minus.as_chunks::<2>().0));
+    for (sum, ((a, b), c)) in sums.as_chunks_mut::<2>().0.iter_mut().zip(a.zip(b).zip(c)) {
+        let rise = rise(a.0, a.1).wrapping_add(rise(b.0, b.1)).wrapping_add(rise(c.0, c.1));
+        *sum = pair(word(sum).wrapping_add(rise));
+    }
+}
+
+/// Adds five rough rows.
+#[inline]
+fn add_rough([a, b, c, d, e]: [&[u16]; 5], sums: &mut [u16]) {
+    for (sum, ((((a, b), c), d), e)) in sums.iter_mut().zip(a.iter().zip(b).zip(c).zip(d).zip(e)) {
+        *sum += a + b + c + d + e;
+    }
+}
+
+/// The same two headings to a word: no half ever overflows.
+#[inline]
+fn add_rough_pairs(rows: [&[u16]; 5], sums: &mut [u16]) {
+    let [a, b, c, d, e] = rows.map(|row| row.as_chunks::<2>().0.iter().map(word));
+    for (sum, ((((a, b), c), d), e)) in
+        sums.as_chunks_mut::<2>().0.iter_mut().zip(a.zip(b).zip(c).zip(d).zip(e))
+    {
+        *sum = pair(word(sum) + a + b + c + d + e);
+    }
+}
+
+/// Two values in a word.
+#[inline]
+fn word(pair: &[u16; 2]) -> u32 {
+    u32::from(pair[0]) | u32::from(pair[1]) << 16
+}
+
+#[inline]
+const fn pair(word: u32) -> [u16; 2] {
+    [word as u16, (word >> 16) as u16]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::map::site_map::PackedScan;
+    use proptest::prelude::*;
+    use std::boxed::Box;
+
+    /// A table of noise, its values within the limit.
+    fn noise(seed: u64) -> Box<EvidenceTable> {
+        let mut table = Box::new(EvidenceTable::EMPTY);
+        let mut state = seed | 1;
+        for plane in 0..PLANES as u8 {
+            for bin in 0..BINS {
+                state ^= state << 13;
+                state ^= state >> 7;
+                state ^= state << 17;
+                // A fifth lies beyond the limit and is clipped to it.
+                table.set(plane, bin, (state % 221) as i32 - 110);
+            }
+        }
+        table
+    }
+
+    /// The sum over a candidate's rays at a heading, in exact 1/16 nat of all 360 bins.
+    fn naive<const N: usize>(table: &EvidenceTable, planes: &[u8; N], heading: usize) -> f64 {
+        let stride = BINS / N;
+        let mut sum = 0.0;
+        for (ray, &plane) in planes.iter().enumerate() {
+            let bin = (ray + N - heading) % N * stride;
+            sum += (0..stride).map(|k| f64::from(table.get(plane, bin + k))).sum::<f64>();
+        }
+        sum
+    }
+
+    fn check<const N: usize>(seed: u64) -> Result<(), TestCaseError> {
+        let table = noise(seed);
+        let mut rows = Box::new(Rows::<N>::BLANK);
+        rows.set(&table);
+        let planes = core::array::from_fn(|i| ((i * i + seed as usize) % PLANES) as u8);
+        let mut scores = [0; N];
+        rows.scores(&planes, &mut scores);
+        for (heading, &score) in scores.iter().enumerate() {
+            let expected = naive(&table, &planes, heading) * N as f64 / BINS as f64;
+            let rounding = if N == BINS { 0.0 } else { 0.5 * N as f64 };
+            let got = f64::from(score);
+            prop_assert!((got - expected).abs() <= rounding, "{} at {}, not {}", got, heading, expected);
+        }
+        Ok(())
+    }
+
+    /// The rough score is the best of every other heading, where rays agree with the ones after them.
+    fn check_rough<const N: usize>(seed: u64) -> Result<(), TestCaseError> {
+        let mut rows = Box::new(Rows::<N>::BLANK);
+        rows.set(&noise(seed));
+        let mut packed = [0; PACKED_SCAN_BYTES];
+        let (codes, windows) = packed.split_at_mut(BINS);
+        let (alike, middle) = (Rows::<N>::ROUGH * BINS / N, BINS / N / 2);
+        for (bin, code) in codes.iter_mut().enumerate() {
+            let ray = bin / alike;
+            *code = (ray * ray + seed as usize % 97) as u8;
+            windows[bin / 8] |= u8::from(ray % 3 == 1) << (bin % 8);
+        }
+        let mut scores = [0; N];
+        rows.scores(&Rows::planes_of_packed(&packed), &mut scores);
+        let best = scores.iter().step_by(2).max().copied();
+        prop_assert_eq!(Some(rows.rough_top(&packed)), best);
+        // Rays in between do not matter.
+        for (bin, code) in packed.iter_mut().take(BINS).enumerate().filter(|(bin, _)| bin % alike != middle) {
+            *code = (bin + seed as usize) as u8;
+        }
+        prop_assert_eq!(Some(rows.rough_top(&packed)), best);
+        Ok(())
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(12))]
+        #[test]
+        fn sums_are_those_of_the_table(seed: u64) {
+            check::<360>(seed)?;
+            check::<180>(seed)?;
+            check::<120>(seed)?;
+            check::<90>(seed)?;
+            check::<30>(seed)?;
+        }
+
+        #[test]
+        fn rough_scores_are_those_of_rays_that_agree_with_the_ones_after_them(seed: u64) {
+            check_rough::<360>(seed)?;
+            check_rough::<90>(seed)?;
+            check_rough::<40>(seed)?;
+            check_rough::<20>(seed)?;
+            check_rough::<10>(seed)?;
+        }
+    }
+
+    #[test]
+    fn packed_scans_have_the_planes_of_unpacked_ones() {
+        let mut packed = PackedScan([0; PACKED_SCAN_BYTES]);
+        for seed in 0..8 {
+            for (at, byte) in packed.0.iter_mut().enumerate() {
+                *byte = (at * at + 37 * seed) as u8;
+            }
+            let mut scan = Scan::OPEN;
+            packed.unpack(&mut scan);
+            assert_eq!(Rows::<360>::planes_of_packed(&packed.0), Rows::planes(&scan));
+            assert_eq!(Rows::<90>::planes_of_packed(&packed.0), Rows::planes(&scan));
+        }
+    }
+
+    #[test]
+    fn extremes_do_not_overflow() {
+        for value in [-1000, 1000] {
+            let mut table = Box::new(EvidenceTable::EMPTY);
+            for (plane, bin) in (0..PLANES as u8).flat_map(|p| (0..BINS).map(move |b| (p, b))) {
+                table.set(plane, bin, value);
+            }
+            let mut rows = Box::new(Rows::<360>::BLANK);
+            rows.set(&table);
+            let mut scores = [0; 360];
+            rows.scores(&[255; 360], &mut scores);
+            assert_eq!(scores, [value.signum() as i16 * 360 * i16::from(LIMIT); 360]);
+        }
+    }
+
+    #[test]
+    fn headings_turn_counter_clockwise() {
+        // A window straight ahead of a robot that looks along 30 degrees.
+        let mut table = Box::new(EvidenceTable::EMPTY);
+        let mut scan = Scan { steps: [100; BINS], hit: [Hit::Wall; BINS] };
+        table.set(plane_of(100, Hit::Window), 0, 80);
+        scan.hit[30] = Hit::Window;
+        let mut rows = Box::new(Rows::<360>::BLANK);
+        rows.set(&table);
+        let mut scores = [0; 360];
+        rows.scores(&Rows::planes(&scan), &mut scores);
+        let expected = core::array::from_fn(|heading| if heading == 30 { 80 } else { 0 });
+        assert_eq!(scores, expected, "elsewhere nothing is known");
+    }
+}

@@ -1,0 +1,205 @@
+use super::*;
+use crate::base::ladder::RANGES;
+use crate::base::num::{BINS, Metres, Point, Turn};
+use crate::base::raster::BitMask;
+use crate::base::scan::{Hit, MAX_STEPS, Scan};
+use crate::map::plan::{Frame, Plan, pack, packed_len};
+use crate::map::site_map::{Header, Layer, PackedScan, SiteMap, Writer};
+use std::boxed::Box;
+use std::vec;
+use std::vec::Vec;
+
+const WIDTH: u32 = 600;
+const HEIGHT: u32 = 400;
+const FRAME: Frame = Frame { resolution_nm: 20_000_000, origin: Point::new(Metres::ZERO, Metres::ZERO) };
+
+/// Walls and windows as left, bottom, width, height in cells of 0.02 m: 12 x 8 m, three rooms, a pillar.
+const WALLS: [[u32; 4]; 10] = [
+    [0, 0, 600, 8],
+    [0, 392, 600, 8],
+    [0, 0, 8, 400],
+    [592, 0, 8, 400],
+    [240, 0, 8, 170],
+    [240, 220, 8, 180],
+    [248, 250, 150, 8],
+    [450, 250, 150, 8],
+    [420, 90, 20, 20],
+    [90, 300, 60, 40],
+];
+const WINDOWS: [[u32; 4]; 5] =
+    [[40, 392, 90, 8], [300, 392, 60, 8], [480, 392, 80, 8], [592, 60, 8, 110], [0, 120, 8, 70]];
+
+fn fill(mask: &mut [u8], boxes: &[[u32; 4]]) {
+    for &[left, bottom, width, height] in boxes {
+        for (x, y) in (left..left + width).flat_map(|x| (bottom..bottom + height).map(move |y| (x, y))) {
+            mask[y as usize * BitMask::row_bytes(WIDTH) + x as usize / 8] |= 1 << (x % 8);
+        }
+    }
+}
+
+pub(crate) struct Building {
+    plan: Vec<u8>,
+    map: Vec<u8>,
+}
+
+impl Building {
+    pub(crate) fn new() -> Self {
+        let len = BitMask::row_bytes(WIDTH) * HEIGHT as usize;
+        let (mut walls, mut windows) = (vec![0; len], vec![0; len]);
+        fill(&mut walls, &WALLS);
+        fill(&mut windows, &WINDOWS);
+        for (wall, window) in walls.iter_mut().zip(&windows) {
+            *wall &= !window;
+        }
+        let (walls, windows) =
+            (BitMask::new(&walls, WIDTH, HEIGHT).unwrap(), BitMask::new(&windows, WIDTH, HEIGHT).unwrap());
+        let mut bytes = vec![0; packed_len(&walls, &windows).unwrap()];
+        let plan = pack(&walls, &windows, FRAME, &mut bytes).unwrap();
+        let mut scan = Scan::OPEN;
+        let cells =
+            (12..HEIGHT as u16).step_by(25).flat_map(|y| (12..WIDTH as u16).step_by(25).map(move |x| [x, y]));
+        let mut found = Vec::new();
+        for cell in cells {
+            if plan.scan(plan.cell_centre(cell[0], cell[1]), Turn::ZERO, &mut scan).is_ok() {
+                found.push((cell, Layer::new(&PackedScan::new(&scan), &[0; 16], &[0; 24])));
+            }
+        }
+        let header = Header {
+            candidates: found.len() as u32,
+            layers: 1,
+            frame: FRAME,
+            spacing_mm: 500,
+            plan_size: [WIDTH, HEIGHT],
+            plan_checksum: plan.checksum(),
+        };
+        let mut writer = Writer::new(Vec::new(), &header).unwrap();
+        for (cell, layer) in found {
+            writer.candidate(cell, &[layer]).unwrap();
+        }
+        let map = writer.finish().unwrap();
+        Self { plan: bytes, map }
+    }
+
+    pub(crate) fn layer(&self) -> FloorLayer<'_> {
+        let (map, plan) = (SiteMap::new(&self.map).unwrap(), Plan::new(&self.plan).unwrap());
+        FloorLayer { map, number: 0, plan, floor: 0 }
+    }
+}
+
+/// What a fair observer at a pose writes: a third unknown, a tenth at the wrong range.
+pub(crate) fn evidence(scan: &Scan, random: &mut impl FnMut() -> u32) -> Box<EvidenceTable> {
+    let mut table = Box::new(EvidenceTable::EMPTY);
+    for bin in 0..BINS {
+        let fate = random() % 30;
+        if fate < 10 {
+            continue;
+        }
+        let wrong = 20 + random() % (u32::from(MAX_STEPS) - 20);
+        let steps = if fate < 13 { wrong as u16 } else { scan.steps[bin] };
+        let seen = plane_of(steps, scan.hit[bin]);
+        for plane in 0..PLANES as u8 {
+            let kind = |plane: u8| usize::from(plane) / RANGES;
+            let off = if kind(plane) == kind(seen) { plane.abs_diff(seen) } else { 255 };
+            table.set(plane, bin, (40 - 12 * i32::from(off)).max(-16));
+        }
+    }
+    table
+}
+
+pub(crate) fn point(x: f64, y: f64) -> Point {
+    Point::new(Metres::from_num(x), Metres::from_num(y))
+}
+
+fn find<const N: usize>(building: &Building, seed: u32) {
+    let layer = building.layer();
+    let mut state = seed;
+    let mut random = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        state >> 8
+    };
+    let mut rows = Box::new(Rows::<N>::BLANK);
+    let mut scan = Scan::OPEN;
+    for (x, y, degrees) in [(2.13, 3.41, 17.3), (7.37, 2.09, 201.6), (9.21, 1.44, 311.8), (1.02, 6.49, 95.4)]
+    {
+        let (at, heading) = (point(x, y), Turn::from_ratio((degrees * 1000.0) as i64, 360_000));
+        layer.plan.scan(at, heading, &mut scan).unwrap();
+        let table = evidence(&scan, &mut random);
+        rows.set(&table);
+        let mut pool = [ScoredPose::NONE; 64];
+        let used = search(&rows, &[layer], |_, _| true, &mut pool);
+        let modes = &mut pool[..used.min(8)];
+        for mode in modes.iter_mut() {
+            let refined = refine(&table, &layer, *mode);
+            let again = refine(&table, &layer, refined);
+            assert!(again.score >= refined.score, "never worse");
+            assert_eq!(layer.plan.hit_at(refined.at), Some(Hit::Open));
+            *mode = refined;
+        }
+        let answer = answer(&[layer], modes);
+        let best = answer.best().unwrap();
+        assert!(best.at.within(at, Metres::from_num(0.05)), "{best:?}, not {at:?}");
+        assert!(best.heading.distance(heading) < Turn::from_ratio(1, 720), "{best:?}, not {degrees} degrees");
+        assert!(answer.margin() > 0);
+    }
+}
+
+#[test]
+fn a_pose_off_the_grid_is_found() {
+    let building = Building::new();
+    for seed in 0..4 {
+        find::<360>(&building, seed);
+        find::<90>(&building, seed);
+        find::<40>(&building, seed);
+    }
+}
+
+#[test]
+fn a_mode_in_a_wall_or_outside_stays() {
+    let building = Building::new();
+    for at in [point(0.05, 0.05), point(-1.0, 3.0), Point::new(Metres::MAX, Metres::MIN)] {
+        let mode = ScoredPose { at, score: 7, ..ScoredPose::NONE };
+        assert_eq!(refine(&EvidenceTable::EMPTY, &building.layer(), mode), mode);
+    }
+}
+
+#[test]
+fn nothing_known_says_nothing() {
+    let building = Building::new();
+    let mut rows = Box::new(Rows::<90>::BLANK);
+    rows.set(&EvidenceTable::EMPTY);
+    let mut pool = [ScoredPose::NONE; 16];
+    let used = search(&rows, &[building.layer()], |_, _| true, &mut pool);
+    assert!(used > 0 && pool[..used].iter().all(|mode| mode.score == 0));
+    assert_eq!(search(&rows, &[building.layer()], |_, _| false, &mut pool), 0);
+    assert_eq!(search(&rows, &[building.layer()], |_, _| true, &mut []), 0);
+}
+
+/// Whatever its size, the pool keeps the best offers.
+#[test]
+fn a_small_pool_keeps_the_best() {
+    let building = Building::new();
+    let layer = building.layer();
+    let mut scan = Scan::OPEN;
+    layer.plan.scan(point(7.37, 2.09), Turn::ZERO, &mut scan).unwrap();
+    let mut state = 5_u32;
+    let table = evidence(&scan, &mut || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        state >> 8
+    });
+    let mut rows = Box::new(Rows::<360>::BLANK);
+    rows.set(&table);
+    let mut all = vec![ScoredPose::NONE; 2000];
+    let used = search(&rows, &[layer, layer], |_, _| true, &mut all);
+    assert_eq!(all[0].at, all[1].at, "both layers are kept");
+    let mut layers = [layer; 2];
+    let floors = |layers: &[FloorLayer<'_>], all: &[ScoredPose]| answer(layers, &mut all.to_vec()).modes()[1];
+    assert!(!floors(&layers, &all[..used]).is_near(&all[0], Metres::ONE, Turn::from_ratio(20, 360)));
+    layers[1].floor = 1;
+    assert_eq!(floors(&layers, &all[..used]), all[1]);
+    for len in [1, 2, 3, 7, 100] {
+        let mut few = vec![ScoredPose::NONE; len];
+        let kept = search(&rows, &[layer, layer], |_, _| true, &mut few);
+        assert!(kept > 0 && few[..kept].iter().all(|mode| all[..used].contains(mode)));
+        assert_eq!(few[0], all[0]);
+    }
+}

@@ -1,0 +1,133 @@
+use super::*;
+use crate::base::scan::Scan;
+use crate::pose::tests::{Building, evidence, point};
+use std::boxed::Box;
+use std::vec::Vec;
+
+const ONWARDS: Motion = Motion { forward_m: 0.2, left_m: 0.0, turn: 0.0 };
+
+fn mode(x: f64, y: f64, degrees: i64, score: i32) -> ScoredPose {
+    ScoredPose { layer: 0, at: point(x, y), heading: Turn::from_ratio(degrees, 360), score }
+}
+
+/// What is seen at a pose, and the pose as a frame by itself would give it.
+fn seen(building: &Building, x: f64, y: f64, degrees: i64, seed: u32) -> (Box<EvidenceTable>, ScoredPose) {
+    let layer = building.layer();
+    let mut scan = Scan::OPEN;
+    layer.plan.scan(point(x, y), Turn::from_ratio(degrees, 360), &mut scan).unwrap();
+    let mut state = seed;
+    let mut random = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        state >> 8
+    };
+    let table = evidence(&scan, &mut random);
+    let found = refine(&table, &layer, mode(x, y, degrees, 0));
+    (table, found)
+}
+
+fn is_at(estimate: Option<Estimate>, mode: &ScoredPose) -> bool {
+    estimate.is_some_and(|e| e.mode.is_near(mode, Metres::from_bits(3 << 30), TOGETHER_TURN))
+}
+
+/// A frame of half a second.
+fn frame<'a>(table: &'a EvidenceTable, modes: &'a [ScoredPose], motion: Option<Motion>) -> Frame<'a> {
+    Frame { table, modes, seconds: 0.5, motion }
+}
+
+#[test]
+fn odometry_tells_two_equal_poses_apart() {
+    let building = Building::new();
+    let layers = [building.layer()];
+    let mut track = Track::new();
+    let first = [mode(1.5, 1.5, 0, 900), mode(9.0, 4.0, 90, 900)];
+    let start = track.step(&layers, &frame(&EvidenceTable::EMPTY, &first, None)).unwrap();
+    assert!((start.probability - 0.5).abs() < 0.01 && start.spread_m > 4.0, "{start:?}");
+    // The first went where the odometry says, the second sideways.
+    let second = [mode(8.0, 4.0, 90, 900), mode(2.5, 1.5, 0, 900)];
+    let motion = Some(Motion { forward_m: 1.0, ..Motion::default() });
+    let end = track.step(&layers, &frame(&EvidenceTable::EMPTY, &second, motion));
+    assert!(is_at(end, &second[1]), "{end:?}");
+    assert!(end.unwrap().probability > 0.95 && end.unwrap().spread_m < 1.5, "{end:?}");
+}
+
+#[test]
+fn three_wrong_frames_do_not_lead_astray() {
+    let building = Building::new();
+    let layers = [building.layer()];
+    for motion in [None, Some(ONWARDS)] {
+        let mut track = Track::new();
+        for n in 0..8_u32 {
+            let x = 6.0 + 0.2 * f64::from(n);
+            let (table, truth) = seen(&building, x, 1.2, 0, n);
+            // Frames 3 to 5 find something else alone, each elsewhere, 50 nats above the truth.
+            let wrong = mode(1.5 + f64::from(n % 3), 2.0, 120 * i64::from(n), truth.score + 800);
+            let found = [if (3..6).contains(&n) { wrong } else { truth }];
+            let estimate = track.step(&layers, &frame(&table, &found, motion));
+            assert!(is_at(estimate, &mode(x, 1.2, 0, 0)), "frame {n}, {motion:?}: {estimate:?}");
+        }
+    }
+}
+
+#[test]
+fn a_jump_is_followed() {
+    let building = Building::new();
+    let layers = [building.layer()];
+    let mut track = Track::new();
+    for n in 0..10_u32 {
+        let x = 6.0 + 0.2 * f64::from(n);
+        let (table, found) = seen(&building, x, 1.2, 0, n);
+        track.step(&layers, &frame(&table, &[found], Some(ONWARDS)));
+    }
+    let estimates: Vec<_> = (0..3)
+        .map(|n| {
+            let (table, found) = seen(&building, 1.5 + 0.2 * f64::from(n), 5.0, 0, n);
+            track.step(&layers, &frame(&table, &[found], Some(ONWARDS)))
+        })
+        .collect();
+    assert!(is_at(estimates[2], &mode(1.9, 5.0, 0, 0)), "{estimates:?}");
+}
+
+#[test]
+fn a_bank_is_bounded_and_repeatable() {
+    let building = Building::new();
+    let layers = [building.layer()];
+    let run = || {
+        let mut track = Track::new();
+        for n in 0..3_u32 {
+            let (table, _) = seen(&building, 6.0, 1.2, 0, n);
+            let grid =
+                (0..300).map(|k| mode(0.5 + 0.5 * f64::from(k % 20), 0.5 + 0.5 * f64::from(k / 20), 0, k));
+            let modes: Vec<_> = grid.collect();
+            track.step(&layers, &frame(&table, &modes, None));
+        }
+        track.hypotheses().collect::<Vec<_>>()
+    };
+    let hypotheses = run();
+    assert!(hypotheses.len() <= MAX_HYPOTHESES);
+    let whole: f32 = hypotheses.iter().map(|h| h.1).sum();
+    assert!((whole - 1.0).abs() < 0.1, "{whole}");
+    assert_eq!(hypotheses, run());
+    assert!(size_of::<Track>() < 8192, "{}", size_of::<Track>());
+}
+
+#[test]
+fn nonsense_is_harmless() {
+    let building = Building::new();
+    let layers = [building.layer()];
+    let mut track = Track::new();
+    assert_eq!(track.step(&layers, &frame(&EvidenceTable::EMPTY, &[], None)), None);
+    let modes = [
+        mode(1.5, 1.5, 0, i32::MAX),
+        mode(3.0, 1.5, 0, i32::MIN),
+        ScoredPose { layer: 9, ..mode(0.0, 0.0, 0, 0) },
+        ScoredPose { at: Point::new(Metres::MAX, Metres::MIN), ..mode(0.0, 0.0, 0, 0) },
+    ];
+    for value in [f32::NAN, f32::INFINITY, f32::MIN, 1e30, -1.0] {
+        let motion = Motion { forward_m: value, left_m: value, turn: value };
+        for motion in [Some(motion), None] {
+            let frame = Frame { table: &EvidenceTable::EMPTY, modes: &modes, seconds: value, motion };
+            assert!(track.step(&layers, &frame).is_some_and(|e| e.probability > 0.0));
+        }
+    }
+    assert_eq!(turn_of(-PI / 2.0).distance(Turn::from_ratio(-90, 360)).to_microdegrees() / 100, 0);
+}

@@ -1,0 +1,77 @@
+//! Segments as arcs of great circles.
+
+use super::degrees;
+use crate::vision::camera::{Bearing, Pixel, View};
+use crate::vision::segments::Segment;
+
+/// Arcs end at least this near to the optical axis: cosine of 92 degrees.
+const RIM_COS: f32 = -0.034_899_5;
+/// Arcs whose middle is this near to a direction say nothing about it: cosine squared of 20 degrees.
+const NEAR: f32 = 0.883_022_2;
+/// Longer arcs weigh no more than this, degrees.
+const MOST_WEIGHT: f32 = 25.0;
+
+/// A segment on the unit sphere, in the axes of camera 0.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Arc {
+    /// Unit normal of its great circle.
+    pub normal: Bearing,
+    /// Unit vector to its middle.
+    pub middle: Bearing,
+    /// Its length in degrees, at most 25.
+    pub weight: f32,
+    /// The camera it was seen by.
+    pub camera: u8,
+}
+
+impl Arc {
+    /// For buffers.
+    pub const EMPTY: Self = Self {
+        normal: Bearing::new(0.0, 0.0, 0.0),
+        middle: Bearing::new(0.0, 0.0, 0.0),
+        weight: 0.0,
+        camera: 0,
+    };
+
+    /// The arc of a segment in a camera's image; `None` if an end lies beyond the camera's field or 92 degrees
+    /// from its axis, or the arc is shorter than 0.1 degrees.
+    #[must_use]
+    pub fn new(segment: &Segment, view: &View, camera: u8) -> Option<Self> {
+        let end = |x, y| {
+            let bearing = view.camera.unproject(Pixel { x, y }).filter(|b| b.z > RIM_COS)?;
+            Some(view.rotation * bearing)
+        };
+        let (a, b) = (end(segment.x1, segment.y1)?, end(segment.x2, segment.y2)?);
+        let (normal, middle) = (a.cross(&b), a + b);
+        let (sin, double) = (libm::sqrtf(normal.dot(&normal)), libm::sqrtf(middle.dot(&middle)));
+        if sin < 1.7e-3 || double < 1e-3 {
+            return None;
+        }
+        let length = degrees(libm::atan2f(sin, a.dot(&b)));
+        Some(Self { normal: normal / sin, middle: middle / double, weight: length.min(MOST_WEIGHT), camera })
+    }
+
+    /// How well the arc points to a direction (a unit vector): 1 exactly, 0 at the tolerance and beyond, or within 20
+    /// degrees of its middle; a tolerance of 0.1 to 10 degrees.
+    #[must_use]
+    pub fn agreement(&self, direction: &Bearing, tolerance_deg: f32) -> f32 {
+        self.agrees(direction, sharpness(tolerance_deg))
+    }
+
+    /// The same from the [`sharpness`] of the tolerance.
+    ///
+    /// The residual is the least turn of the arc about its middle that makes it point there.
+    #[inline(always)]
+    pub(super) fn agrees(&self, direction: &Bearing, sharpness: f32) -> f32 {
+        let (off, near) = (self.normal.dot(direction), self.middle.dot(direction));
+        let room = 1.0 - near * near;
+        let residual = off * off * sharpness;
+        if near * near > NEAR || residual >= room { 0.0 } else { 1.0 - residual / room }
+    }
+}
+
+/// `1 / sin^2` of a tolerance.
+pub(super) fn sharpness(tolerance_deg: f32) -> f32 {
+    let sin = libm::sinf(tolerance_deg.clamp(0.1, 10.0) * (core::f32::consts::PI / 180.0));
+    1.0 / (sin * sin)
+}

@@ -1,0 +1,145 @@
+//! Edges across the floor and the ceiling, on a raster of azimuth and log range.
+//!
+//! A point on the floor at `e^u` camera heights lies `atan(e^-u)` below the horizon. Rows that are equally far apart in
+//! `u` stand for equal steps of log range whatever the height of the camera: another height is a shift by rows. The
+//! ceiling is the same upside down, with its own height above the camera.
+
+use super::{BINS, DEEPEST, RUNGS, SURFACES};
+use crate::base::raster::GrayImage;
+use crate::vision::camera::Rig;
+use crate::vision::level_frame::LevelFrame;
+use crate::vision::panorama::Resolution;
+use crate::vision::projector::{Node, Projector};
+use crate::vision::sample::{ExclusionMask, SUBPIXEL, sample_bilinear};
+
+/// The projection is computed every so many degrees of azimuth, and interpolated between.
+const GRID_DEG: usize = 4;
+/// ... and every so many rungs.
+const GRID_RUNGS: usize = 2;
+const NODES: usize = RUNGS.div_ceil(GRID_RUNGS) + 1;
+/// Places along a patch, vertically.
+const PATCH: i32 = 32;
+/// A sample is the mean over half a rung, in places of a patch.
+const BOX: i32 = PATCH / GRID_RUNGS as i32 / 2;
+/// Most samples in that mean.
+const MOST_TAPS: i32 = 4;
+/// Pixels between the samples of a mean, about.
+const TAP_PX: i32 = 2;
+/// Looks are counted in so many parts of [`GRID_DEG`]: quarters of a degree.
+const ACROSS: i32 = 16;
+/// Two looks per bin, a quarter of a degree to either side of its middle, and which bin of the patch each belongs to.
+const LOOKS: [(i32, usize); 8] = [(1, 0), (3, 1), (5, 1), (7, 2), (9, 2), (11, 3), (13, 3), (15, 4)];
+/// One look per bin, where an image has no more than two or three pixels in it.
+const COARSE_LOOKS: [(i32, usize); 4] = [(0, 0), (4, 1), (8, 2), (12, 3)];
+/// Largest edge that a byte holds beside "unknown".
+const MOST_EDGE: u8 = 254;
+
+/// Adds what one camera sees to `edges`: per surface (floor, ceiling), rung and bin, 0 where nothing is known, else 1
+/// + the difference between the gray levels at the rung's nearer and farther end.
+pub(super) fn draw(
+    edges: &mut [u8],
+    rig: &Rig,
+    camera: usize,
+    level: LevelFrame,
+    (image, red): (&GrayImage<'_>, ExclusionMask<'_>),
+) {
+    let (Some(projector), Some(view)) = (Projector::new(rig, camera, level), rig.view(camera)) else {
+        return;
+    };
+    let looks: &[_] = if Resolution::of(view) == Resolution::COARSE { &COARSE_LOOKS } else { &LOOKS };
+    for (surface, edges) in edges.chunks_exact_mut(RUNGS * BINS).take(SURFACES).enumerate() {
+        let elevations: [_; NODES] = core::array::from_fn(|node| {
+            let (sin, cos) = elevation(node * GRID_RUNGS);
+            (if surface == 0 { -sin } else { sin }, cos)
+        });
+        let nodes = |column: usize| {
+            let azimuth = libm::sincosf((column * GRID_DEG) as f32 * (core::f32::consts::PI / 180.0));
+            elevations.map(|elevation| projector.node(azimuth, elevation))
+        };
+        let mut right = nodes(0);
+        for column in 0..BINS / GRID_DEG {
+            let left = nodes(column + 1);
+            if right.iter().zip(&left).any(|(r, l)| r.lead > 0 || l.lead > 0) {
+                for &(across, bin) in looks {
+                    let mut samples = [0; RUNGS + 1];
+                    sample(&mut samples, (&right, &left), across, image, red);
+                    store(edges, (column * GRID_DEG + bin) % BINS, &samples);
+                }
+            }
+            right = left;
+        }
+    }
+}
+
+/// Sine and cosine of the elevation of the nearer end of a rung.
+fn elevation(rung: usize) -> (f32, f32) {
+    let cot = libm::expf(DEEPEST + rung as f32 * super::RUNG);
+    let length = libm::sqrtf(1.0 + cot * cot);
+    (1.0 / length, cot / length)
+}
+
+/// The gray levels at the ends of the rungs, seen `across` sixteenths of the way between two columns of nodes; 0 where
+/// the camera does not see, or leaves it to the other.
+fn sample(
+    samples: &mut [u8; RUNGS + 1],
+    (right, left): (&[Node; NODES], &[Node; NODES]),
+    across: i32,
+    image: &GrayImage<'_>,
+    red: ExclusionMask<'_>,
+) {
+    let blend = |from: i32, to: i32| from * (ACROSS - across) + to * across;
+    let mixed = |(r, l): (&Node, &Node)| {
+        let usable = r.usable && l.usable;
+        usable.then(|| [blend(r.x, l.x), blend(r.y, l.y), blend(r.lead, l.lead)])
+    };
+    let mut ends = samples.chunks_mut(GRID_RUNGS);
+    let mut near = right.iter().zip(left).map(mixed);
+    let Some(mut here) = near.next() else { return };
+    for far in near {
+        let Some(ends) = ends.next() else { return };
+        if let (Some(a), Some(b)) = (here, far) {
+            let taps = taps(a, b);
+            for (sample, place) in ends.iter_mut().zip((0..).step_by((PATCH / GRID_RUNGS as i32) as usize)) {
+                let at = |k: usize, place: i32| (a[k] * (PATCH - place) + b[k] * place) / (ACROSS * PATCH);
+                if at(2, place) > 0 {
+                    *sample = mean(taps, |tap| {
+                        let place = place + (2 * tap + 1 - taps) * BOX / (2 * taps);
+                        sample_bilinear(image, red, at(0, place), at(1, place))
+                    });
+                }
+            }
+        }
+        here = far;
+    }
+}
+
+/// How many samples the mean over half a rung takes, from the size of a patch in the image.
+fn taps(a: [i32; 3], b: [i32; 3]) -> i32 {
+    let patch = (a[0].abs_diff(b[0]) + a[1].abs_diff(b[1])) >> (SUBPIXEL + ACROSS.trailing_zeros());
+    (patch as i32 / (2 * GRID_RUNGS as i32 * TAP_PX)).clamp(1, MOST_TAPS)
+}
+
+/// The mean of so many gray levels, 0 if one of them is unknown.
+fn mean(taps: i32, look: impl Fn(i32) -> u8) -> u8 {
+    let mut sum = 0;
+    for tap in 0..taps {
+        let level = i32::from(look(tap));
+        if level == 0 {
+            return 0;
+        }
+        sum += level;
+    }
+    (sum / taps.max(1)) as u8
+}
+
+/// Adds the edges of one look to those of its bin; of two looks the mean counts.
+fn store(edges: &mut [u8], bin: usize, samples: &[u8; RUNGS + 1]) {
+    for (row, ends) in edges.chunks_exact_mut(BINS).zip(samples.windows(2)) {
+        let (&[near, far], Some(cell)) = (ends, row.get_mut(bin)) else { return };
+        if near == 0 || far == 0 {
+            continue;
+        }
+        let edge = 1 + near.abs_diff(far).min(MOST_EDGE - 1);
+        *cell = if *cell == 0 { edge } else { cell.midpoint(edge) };
+    }
+}

@@ -1,0 +1,57 @@
+//! The gravity-aligned frame that azimuths and elevations are measured in.
+
+use crate::vision::camera::Bearing;
+use nalgebra::{Matrix3, Vector3};
+
+/// Distance, in metres, at which the baseline between the cameras is made good exactly. What stands
+/// elsewhere, at r metres, comes out by baseline |1/r - 1/6| radians aside at worst: 0.8 degrees at 2 m
+/// and 0.4 degrees far away for 40 mm, beside the camera, and nothing behind it.
+pub const NOMINAL_RANGE_M: f32 = 6.0;
+
+/// The level frame in camera 0: forward is its optical axis brought to the horizon.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LevelFrame {
+    /// Rows are forward, left and up, unit vectors in camera 0.
+    axes: Matrix3<f32>,
+}
+
+impl LevelFrame {
+    /// From the up vector in camera 0, of any length; `None` if it is not finite, zero, or along the
+    /// optical axis, which leaves no heading.
+    #[must_use]
+    pub fn new(up: &Bearing) -> Option<Self> {
+        let unit = |v: Vector3<f32>| {
+            let length = libm::sqrtf(v.dot(&v));
+            (length.is_finite() && length > 1e-3).then(|| v / length)
+        };
+        let up = unit(*up)?;
+        let axis = Vector3::z();
+        let forward = unit(axis - up * up.z)?;
+        let left = up.cross(&forward);
+        Some(Self { axes: Matrix3::from_rows(&[forward.transpose(), left.transpose(), up.transpose()]) })
+    }
+
+    /// The up vector in camera 0.
+    #[must_use]
+    pub fn up(&self) -> Bearing {
+        self.axes.row(2).transpose()
+    }
+
+    /// The unit vector in camera 0 at an azimuth (counter-clockwise seen from above) and elevation, radians.
+    #[must_use]
+    pub fn bearing(&self, azimuth: f32, elevation: f32) -> Bearing {
+        self.bearing_of(libm::sincosf(azimuth), libm::sincosf(elevation))
+    }
+
+    /// The same from sine and cosine of both.
+    pub(super) fn bearing_of(&self, (sin_a, cos_a): (f32, f32), (sin_e, cos_e): (f32, f32)) -> Bearing {
+        self.axes.tr_mul(&Vector3::new(cos_e * cos_a, cos_e * sin_a, sin_e))
+    }
+
+    /// Azimuth and elevation, radians, of a unit vector in camera 0.
+    #[must_use]
+    pub fn direction(&self, bearing: &Bearing) -> (f32, f32) {
+        let level = self.axes * bearing;
+        (libm::atan2f(level.y, level.x), libm::asinf(level.z.clamp(-1.0, 1.0)))
+    }
+}

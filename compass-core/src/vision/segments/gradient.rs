@@ -1,0 +1,47 @@
+//! Sobel gradient, thresholded.
+
+use super::cell::{MAGNITUDE_SHIFT, VERTICAL};
+use crate::base::raster::BitMask;
+
+/// Fills the cells of one row from the smoothed rows above, at and below it.
+///
+/// Magnitudes below `threshold` become 0, and so do the first and the last cell: walks end there.
+#[inline(always)]
+pub(super) fn gradient_row([above, row, below]: [&[u8]; 3], threshold: u16, cells: &mut [u16]) {
+    let [first, cells @ .., last] = cells else { return cells.fill(0) };
+    let rows = triples(above).zip(triples(row)).zip(triples(below));
+    for (cell, ((above, row), below)) in cells.iter_mut().zip(rows) {
+        let [[a0, a1, a2], [b0, _, b2], [c0, c1, c2]] = [above, row, below].map(|row| row.map(i16::from));
+        let (falling, rising) = (c2 - a0, a2 - c0);
+        let dx = (falling + rising + 2 * (b2 - b0)).unsigned_abs();
+        let dy = (falling - rising + 2 * (c1 - a1)).unsigned_abs();
+        let magnitude = dx + dy;
+        let kept = if magnitude < threshold { 0 } else { magnitude };
+        let axis = if dx >= dy { VERTICAL } else { 0 };
+        *cell = kept << MAGNITUDE_SHIFT | axis;
+    }
+    (*first, *last) = (0, 0);
+}
+
+/// Each cell of a row but the first and the last, between its neighbours.
+#[inline(always)]
+pub(super) fn triples<T: Copy>(row: &[T]) -> impl Iterator<Item = [T; 3]> {
+    let from = |start: usize| row.get(start..).unwrap_or_default();
+    row.iter().zip(from(1)).zip(from(2)).map(|((a, b), c)| [*a, *b, *c])
+}
+
+/// Clears the cells of row `y` outside `mask`, without branches: eight cells make a vector.
+#[inline(always)]
+pub(super) fn mask_row(mask: &BitMask<'_>, y: u32, cells: &mut [u16]) {
+    let clear = |bits: u8, cells: &mut [u16]| {
+        for (bit, cell) in cells.iter_mut().enumerate() {
+            *cell &= (u16::from(bits) >> bit & 1).wrapping_neg();
+        }
+    };
+    let (eights, rest) = cells.as_chunks_mut::<8>();
+    let mut bytes = mask.row(y).iter();
+    for (cells, bits) in eights.iter_mut().zip(&mut bytes) {
+        clear(*bits, cells);
+    }
+    clear(bytes.next().copied().unwrap_or(0), rest);
+}

@@ -1,0 +1,238 @@
+//! Line segments by edge drawing, after ELSED (Suárez, Buenaposada, Baumela: "ELSED: Enhanced line
+//! segment drawing", Pattern Recognition 2022).
+//!
+//! smooth -> gradient -> anchors -> drawing, which walks along edges, fits lines and grows them both
+//! ways, jumps gaps and looks for new lines where one ends -> validation.
+//!
+//! Everything is integer, but for the ratio of sums in a line fit and the angles of gap and validation
+//! tests: there single IEEE operations on `f32`, the same on every target.
+//!
+//! The workspace takes 3 bytes a pixel (smoothed image, and magnitude, axis and label in 16 bits) and
+//! a trail of pixels the length of a few segments. Gradients are taken again from the smoothed image
+//! where a test needs their direction.
+
+mod anchors;
+mod cell;
+mod draw;
+mod gradient;
+mod jump;
+mod line;
+mod smooth;
+mod validate;
+mod walk;
+
+use crate::base::raster::{BitMask, GrayImage};
+use core::fmt;
+
+/// A line segment, in pixels; pixel centres are at integers, x to the right, y down.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Segment {
+    /// x of the first end.
+    pub x1: f32,
+    /// y of the first end.
+    pub y1: f32,
+    /// x of the second end.
+    pub x2: f32,
+    /// y of the second end.
+    pub y2: f32,
+    /// Number of its pixels whose gradient points across it (without validation: of its pixels).
+    pub score: u16,
+}
+
+impl Segment {
+    /// For buffers.
+    pub const EMPTY: Self = Self { x1: 0.0, y1: 0.0, x2: 0.0, y2: 0.0, score: 0 };
+}
+
+/// What the detector looks for. The defaults are those of ELSED.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Parameters {
+    /// Smallest gradient magnitude |dx| + |dy| of a 3 x 3 Sobel filter, 1 to 2040.
+    pub gradient_threshold: u16,
+    /// How much an anchor's magnitude must exceed those of its neighbours across the edge, 0 to 2040.
+    pub anchor_threshold: u16,
+    /// Pixels of the first fit of a line, 8 to 15: segments are about as long at least. Small images need
+    /// small windows.
+    pub min_length: u8,
+    /// Whether lines jump gaps of up to 9 pixels.
+    pub jump: bool,
+    /// Whether segments whose gradients point elsewhere are dropped.
+    pub validate: bool,
+}
+
+impl Default for Parameters {
+    fn default() -> Self {
+        Self { gradient_threshold: 30, anchor_threshold: 8, min_length: 15, jump: true, validate: true }
+    }
+}
+
+impl Parameters {
+    fn window(&self) -> usize {
+        usize::from(self.min_length).clamp(line::LEAST_WINDOW, line::WINDOW)
+    }
+}
+
+/// The detector and the reference, which follows ELSED to the letter, each find at least this share of the length of
+/// the other's segments, within 2 px and 5 degrees, on built-up scenes.
+///
+/// What differs: the smoothed image, by one level here and there; a long line is fitted anew after every 64th part of its length instead of after every pixel;
+/// validation samples the gradient across the line at whole pixels along it, while other lines have not yet crossed it;
+/// each try to jump a gap is judged by its own pixels alone; borders end walks.
+pub const SEGMENT_COVERAGE: f32 = 0.9;
+
+/// Longest side of an image, in pixels.
+pub const MAX_SIDE: u32 = 8192;
+
+/// Elements of [`Workspace::cells`] and of [`Workspace::smoothed`] for an image.
+#[must_use]
+pub const fn pixels(width: u32, height: u32) -> usize {
+    width as usize * height as usize
+}
+
+/// Elements of [`Workspace::trail`] for an image: the pixels of its longest segment and to spare, and one
+/// for 64 columns of every other row, where drawing may start.
+#[must_use]
+pub const fn trail_len(width: u32, height: u32) -> usize {
+    2 * (width as usize + height as usize) + 64 + anchors::words(width as usize, height as usize)
+}
+
+/// Bytes of a whole [`Workspace`]: a little above 3 a pixel.
+#[must_use]
+pub const fn workspace_bytes(width: u32, height: u32) -> usize {
+    3 * pixels(width, height) + 4 * trail_len(width, height)
+}
+
+/// Memory lent to the detector; what it holds before does not matter.
+#[derive(Debug)]
+pub struct Workspace<'a> {
+    /// [`pixels`] elements.
+    pub cells: &'a mut [u16],
+    /// [`pixels`] elements; the smoothed image after a detection.
+    pub smoothed: &'a mut [u8],
+    /// [`trail_len`] elements.
+    pub trail: &'a mut [u32],
+}
+
+/// What was detected.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Detected {
+    /// Number of segments written.
+    pub count: usize,
+    /// Whether a list or buffer overflowed: more could have been found.
+    pub truncated: bool,
+}
+
+/// Why nothing was detected.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum SegmentsError {
+    /// A side of the image is above [`MAX_SIDE`].
+    Size,
+    /// The mask is not of the image's size.
+    Mask,
+    /// A buffer of the workspace is too short.
+    Workspace,
+}
+
+impl fmt::Display for SegmentsError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Size => "image side is above 8192 pixels",
+            Self::Mask => "mask and image differ in size",
+            Self::Workspace => "workspace is too small for the image",
+        })
+    }
+}
+
+impl core::error::Error for SegmentsError {}
+
+/// Finds the line segments of an image, at most as many as `found` holds, in the order completed.
+///
+/// Where `mask` is unset no segment is drawn: leave out what is not scene, and the 3 pixels next to it,
+/// which its rim reaches.
+///
+/// # Errors
+/// [`SegmentsError`] for an image too large, a mask of another size, a workspace too short.
+///
+/// # Cost
+/// Passes over all pixels, and at most 16 steps of drawing a pixel.
+// Inlined down to the loops over all pixels, so that a caller compiled for wider vectors has them wider.
+#[inline(always)]
+pub fn detect(
+    image: &GrayImage<'_>,
+    mask: Option<&BitMask<'_>>,
+    parameters: &Parameters,
+    workspace: &mut Workspace<'_>,
+    found: &mut [Segment],
+) -> Result<Detected, SegmentsError> {
+    let (width, height) = (image.width(), image.height());
+    if width > MAX_SIDE || height > MAX_SIDE {
+        return Err(SegmentsError::Size);
+    }
+    if mask.is_some_and(|mask| mask.width() != width || mask.height() != height) {
+        return Err(SegmentsError::Mask);
+    }
+    let n = pixels(width, height);
+    let (Some(cells), Some(smoothed), Some(trail)) = (
+        workspace.cells.get_mut(..n),
+        workspace.smoothed.get_mut(..n),
+        workspace.trail.get_mut(..trail_len(width, height)),
+    ) else {
+        return Err(SegmentsError::Workspace);
+    };
+    if width < 3 || height < 3 {
+        cells.fill(0);
+        return Ok(Detected { count: 0, truncated: false });
+    }
+    let (anchors, trail) = trail.split_at_mut(anchors::words(width as usize, height as usize));
+    prepare(image, mask, parameters, cells, smoothed);
+    let mut threshold = parameters.anchor_threshold.min(2040);
+    while !anchors::mark(cells, width as usize, threshold, anchors) && threshold > 0 {
+        threshold /= 2;
+    }
+    let cells = walk::Cells { cells, width: width as i32, height: height as i32 };
+    let mut drawing = draw::Drawing::new(cells, smoothed, trail, found, *parameters);
+    anchors::visit(&mut drawing, anchors);
+    Ok(Detected { count: drawing.count, truncated: drawing.truncated })
+}
+
+/// Smooths the image and fills the cells.
+#[inline(always)]
+fn prepare(
+    image: &GrayImage<'_>,
+    mask: Option<&BitMask<'_>>,
+    parameters: &Parameters,
+    cells: &mut [u16],
+    smoothed: &mut [u8],
+) {
+    let (width, height) = (image.width() as usize, image.height() as usize);
+    let threshold = parameters.gradient_threshold.clamp(1, 2040);
+    for y in 0..height {
+        // The row's cells, not yet needed, serve as scratch.
+        let (Some(column), Some(out)) =
+            (cells.get_mut(y * width..(y + 1) * width), smoothed.get_mut(y * width..(y + 1) * width))
+        else {
+            return;
+        };
+        smooth::smooth_row(image, y, column, out);
+        if y < 2 {
+            column.fill(0);
+            continue;
+        }
+        let rows = |k: usize| smoothed.get((y - k) * width..(y + 1 - k) * width).unwrap_or(&[]);
+        let row = cells.get_mut((y - 1) * width..y * width).unwrap_or(&mut []);
+        gradient::gradient_row([rows(2), rows(1), rows(0)], threshold, row);
+        if let Some(mask) = mask {
+            gradient::mask_row(mask, (y - 1) as u32, row);
+        }
+    }
+    if let Some(last) = cells.get_mut((height - 1) * width..) {
+        last.fill(0);
+    }
+}
+
+#[cfg(test)]
+mod tests;

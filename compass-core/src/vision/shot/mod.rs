@@ -1,0 +1,196 @@
+//! What the cameras of a rig took at one moment, as bytes: frames, masks of what is red, lenses, and how the rig is
+//! carried.
+//!
+//! All that a board needs beside the [site](crate::map::site), read in place. Of the colours only red matters, so that
+//! frames are gray, with a mask of a bit a pixel.
+//!
+//! # Format, version 1
+//! Little-endian. Words of 4 bytes, floats as `f32`; what a camera does not have is 0.
+//!
+//! | word | field |
+//! |---:|---|
+//! | 0, 1 | magic `CMPSSHOT` |
+//! | 2 | version |
+//! | 3, 4 | time in nanoseconds, signed |
+//! | 5 to 7 | roughly up, in camera 0, of any length but 0 |
+//! | 8 | height of camera 0 above the floor in metres, 0 if it is not told |
+//! | 9 to 30 | camera 0 |
+//! | 31 to 52 | camera 1 |
+//! | 53 | CRC-32 of the words before |
+//!
+//! | word of a camera | field |
+//! |---:|---|
+//! | 0 | width in pixels, and 65536 times the height; 0 if there is no such camera |
+//! | 1 | lens: 1 [`KannalaBrandt`], 2 [`Eucm`], 3 [`Equidistant`] |
+//! | 2 to 5 | fx, fy, cx, cy |
+//! | 6 to 9 | k1 to k4, or alpha and beta |
+//! | 10 to 18 | the rotation of its bearings into camera 0, row by row |
+//! | 19 to 21 | its position in camera 0, metres |
+//!
+//! Then for each camera its gray levels, row by row from the top, and its mask in the layout of [`BitMask`]; at last a
+//! CRC-32 of everything before it.
+
+mod layout;
+mod write;
+
+pub use write::Writer;
+
+use crate::base::crc::CRC32;
+use crate::base::ladder::HEIGHTS_M;
+use crate::base::raster::{BitMask, GrayImage};
+use crate::vision::camera::{Bearing, CameraError, Rig};
+use core::fmt;
+use layout::{HEADER_BYTES, Words};
+
+#[cfg(doc)]
+use crate::vision::camera::{Equidistant, Eucm, KannalaBrandt};
+
+/// Why bytes are no shot, or one could not be written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum ShotError {
+    /// The bytes do not begin with the magic of a shot.
+    Magic,
+    /// The shot was written in this other version of the format.
+    Version(u32),
+    /// The checksum of the header does not match it.
+    HeaderChecksum,
+    /// The up vector is not finite, or 0.
+    Up,
+    /// The height of the camera is outside [`HEIGHTS_M`].
+    Height,
+    /// A camera has a lens of this unknown number.
+    Lens(u32),
+    /// A lens or the rig cannot be used.
+    Camera(CameraError),
+    /// An image is not of the size that its view says, or is of a camera that the rig does not have, or missing.
+    Image,
+    /// The number of bytes is not what the header asks for.
+    Length,
+    /// The checksum of the whole does not match.
+    Checksum,
+}
+
+impl fmt::Display for ShotError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Magic => f.write_str("shot magic is missing: not a file of packed frames"),
+            Self::Version(v) => write!(f, "shot version is {v}, this program reads {}", layout::VERSION),
+            Self::HeaderChecksum => f.write_str("shot header checksum does not match: the header is damaged"),
+            Self::Up => f.write_str("shot up vector is 0 or not finite"),
+            Self::Height => {
+                let [least, most] = HEIGHTS_M;
+                write!(f, "shot camera height is not {least} to {most} m")
+            }
+            Self::Lens(number) => write!(f, "shot lens number {number} is unknown"),
+            Self::Camera(error) => error.fmt(f),
+            Self::Image => f.write_str("shot images are not those of the rig's cameras"),
+            Self::Length => f.write_str(
+                "shot length does not match its header: the file is truncated or has more behind it",
+            ),
+            Self::Checksum => f.write_str("shot checksum does not match: the file is damaged"),
+        }
+    }
+}
+
+impl core::error::Error for ShotError {}
+
+/// What a shot says beside its images.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Header {
+    /// When, in nanoseconds since anything.
+    pub time_ns: i64,
+    /// The cameras, for images of the size that these have.
+    pub rig: Rig,
+    /// Roughly up, in camera 0; not of length 1.
+    pub up: Bearing,
+    /// Height of camera 0 above the floor in metres, within [`HEIGHTS_M`], if it is known.
+    pub height_m: Option<f32>,
+}
+
+impl Header {
+    fn check(&self) -> Result<(), ShotError> {
+        // Of a length that is not finite or 0 nothing is left to point.
+        let length = self.up.norm_squared();
+        if !(length > 0.0 && length.is_finite()) {
+            return Err(ShotError::Up);
+        }
+        let [least, most] = HEIGHTS_M;
+        let good = self.height_m.is_none_or(|height| (least..=most).contains(&height));
+        if good { Ok(()) } else { Err(ShotError::Height) }
+    }
+}
+
+/// Gray levels, and where the image is red.
+pub type Image<'a> = (GrayImage<'a>, BitMask<'a>);
+
+/// What the cameras took, borrowed from memory, a mapped file or flash.
+#[derive(Debug, Clone, Copy)]
+pub struct Shot<'a> {
+    bytes: &'a [u8],
+    header: Header,
+    images: [Option<Image<'a>>; 2],
+}
+
+impl<'a> Shot<'a> {
+    /// Views bytes as a shot. Checks all that is needed to read it, but of the checksums only the header's;
+    /// [`Shot::verify`] checks the rest.
+    ///
+    /// # Errors
+    /// [`ShotError`] names the field that is wrong.
+    pub fn new(bytes: &'a [u8]) -> Result<Self, ShotError> {
+        if !bytes.starts_with(&layout::MAGIC) {
+            let short = bytes.len() < layout::MAGIC.len() && layout::MAGIC.starts_with(bytes);
+            return Err(if short { ShotError::Length } else { ShotError::Magic });
+        }
+        let (header, mut rest) = bytes.split_first_chunk::<HEADER_BYTES>().ok_or(ShotError::Length)?;
+        let header = Words::from_bytes(header).header()?;
+        header.check()?;
+        let mut images = [None; 2];
+        for (number, view) in header.rig.views() {
+            let image = image(&mut rest, view.width.into(), view.height.into()).ok_or(ShotError::Length)?;
+            images.get_mut(number).ok_or(ShotError::Image)?.replace(image);
+        }
+        // Behind the images is the checksum of all.
+        if rest.len() == size_of::<u32>() {
+            Ok(Self { bytes, header, images })
+        } else {
+            Err(ShotError::Length)
+        }
+    }
+
+    /// Compares the checksum of the whole with the bytes (reads everything).
+    ///
+    /// # Errors
+    /// [`ShotError::Checksum`].
+    pub fn verify(&self) -> Result<(), ShotError> {
+        let (body, crc) = self.bytes.split_last_chunk().ok_or(ShotError::Length)?;
+        if CRC32.checksum(body) == u32::from_le_bytes(*crc) { Ok(()) } else { Err(ShotError::Checksum) }
+    }
+
+    /// What it says beside its images.
+    #[must_use]
+    pub const fn header(&self) -> &Header {
+        &self.header
+    }
+
+    /// The image of each camera that the rig has.
+    #[must_use]
+    pub const fn images(&self) -> &[Option<Image<'a>>; 2] {
+        &self.images
+    }
+}
+
+/// Takes an image off the front.
+fn image<'a>(bytes: &mut &'a [u8], width: u32, height: u32) -> Option<Image<'a>> {
+    let pixels = width.checked_mul(height)?;
+    let (gray, rest) = bytes.split_at_checked(usize::try_from(pixels).ok()?)?;
+    let mask_bytes = BitMask::row_bytes(width).checked_mul(usize::try_from(height).ok()?)?;
+    let (mask, rest) = rest.split_at_checked(mask_bytes)?;
+    *bytes = rest;
+    Some((GrayImage::new(gray, width, height).ok()?, BitMask::new(mask, width, height).ok()?))
+}
+
+#[cfg(test)]
+mod tests;

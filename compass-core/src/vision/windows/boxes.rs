@@ -1,0 +1,308 @@
+//! Boxes: pairs of edges, scored as windows by what lies between and beside them.
+
+use super::edges::{Edge, FINE};
+use crate::vision::panorama::{Resolution, TOP_DEG};
+use bytemuck::{Pod, Zeroable};
+
+/// Narrowest and widest window, degrees.
+const NARROWEST_DEG: usize = 1;
+pub(super) const WIDEST_DEG: usize = 60;
+/// Heights that two edges share: at least half of the shorter, and at least 2 degrees.
+const SHARED_DEG: i32 = 2;
+/// A window reaches above this elevation and below [`LOW_DEG`].
+const HIGH_DEG: i32 = 1;
+const LOW_DEG: i32 = 10;
+/// Flanks are half as wide as the box, within these bounds in eighths of a degree.
+const FLANK_EIGHTHS: [usize; 2] = [12, 32];
+/// Rows searched for lintel and sill: 3 degrees outside the edges' common part, 1.5 inside.
+const OUTSIDE_HALVES: usize = 6;
+const INSIDE_HALVES: usize = 3;
+/// Columns measured of a box or of a flank, at most.
+const MOST_COLUMNS: usize = 32;
+/// Rows searched at most: those of the finest ring.
+const MOST_ROWS: usize = (OUTSIDE_HALVES + INSIDE_HALVES) * 4 / 2;
+
+/// Scores count in 1/256 nat.
+pub(super) const NAT: i32 = 256;
+/// Weights of the cues, in nats; how they were fitted is told in `docs/design.md`.
+const LINTEL: i32 = 4;
+const CONTRAST: i32 = 2;
+const TEXTURE: i32 = 8;
+const BIAS: i32 = -15 * NAT / 4;
+/// Penalties, in halves of a nat per octave, of shapes wider than 2^-0.8 and narrower than 1/4 of their height.
+const WIDE_HALVES: i32 = 3;
+const NARROW_HALVES: i32 = 4;
+/// Boxes below this score are forgotten.
+pub(super) const LEAST_SCORE: i32 = -4 * NAT;
+
+/// A box on the ring: columns `start..end` (`end` may lie beyond the last column: the ring goes round), rows
+/// `top..bottom`, and its score as a window in 1/256 nat.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct WindowBox {
+    pub(super) start: u16,
+    pub(super) end: u16,
+    pub(super) top: u16,
+    pub(super) bottom: u16,
+    pub(super) score: i16,
+    /// The next box in a list.
+    pub(super) next: u16,
+}
+
+impl WindowBox {
+    /// For buffers.
+    pub const EMPTY: Self = Self { start: 0, end: 0, top: 0, bottom: 0, score: 0, next: 0 };
+    /// First column and the one after the last, clockwise; the latter may lie beyond the ring's last.
+    #[must_use]
+    pub const fn columns(&self) -> [u16; 2] {
+        [self.start, self.end]
+    }
+
+    /// First row and the one after the last, downwards.
+    #[must_use]
+    pub const fn rows(&self) -> [u16; 2] {
+        [self.top, self.bottom]
+    }
+
+    /// Log odds that it is a window, 1/256 nat.
+    #[must_use]
+    pub const fn score(&self) -> i16 {
+        self.score
+    }
+
+    pub(super) fn width(&self) -> usize {
+        usize::from(self.end - self.start)
+    }
+}
+
+/// The planes of a ring.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Planes<'a> {
+    pub(super) rank: &'a [u8],
+    pub(super) texture: &'a [u8],
+    pub(super) resolution: Resolution,
+}
+
+/// Sums over a part of the planes.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sums {
+    cells: u32,
+    known: u32,
+    rank: u32,
+    texture: u32,
+}
+
+impl Sums {
+    /// Mean rank and texture in 1/16 of a level.
+    fn means(&self) -> (i32, i32) {
+        let mean = |sum: u32| (u64::from(sum) * 16 / u64::from(self.known.max(1))) as i32;
+        (mean(self.rank), mean(self.texture))
+    }
+}
+
+impl Planes<'_> {
+    /// Cells of a column between two rows; columns go round, once. No remainder is taken: a division would cost more
+    /// than the cells do.
+    #[inline(always)]
+    fn column<'p>(&self, plane: &'p [u8], column: usize, rows: &core::ops::Range<usize>) -> &'p [u8] {
+        let columns = self.resolution.columns();
+        let column = if column < columns { column } else { column - columns };
+        let start = column * self.resolution.rows();
+        plane.get(start + rows.start..start + rows.end).unwrap_or(&[])
+    }
+
+    #[inline(always)]
+    fn sums(&self, rows: &core::ops::Range<usize>, columns: core::ops::Range<usize>) -> Sums {
+        let mut sums = Sums::default();
+        for column in sampled(columns) {
+            let rank = self.column(self.rank, column, rows);
+            sums.cells += rank.len() as u32;
+            sums.rank += total(rank);
+            sums.known += rank.len() as u32 - unknown(rank);
+            sums.texture += total(self.column(self.texture, column, rows));
+        }
+        sums
+    }
+}
+
+/// Columns that stand for a range of them: all of narrow ones, evenly spaced ones of wide ones.
+fn sampled(columns: core::ops::Range<usize>) -> core::iter::StepBy<core::ops::Range<usize>> {
+    let step = columns.len().div_ceil(MOST_COLUMNS).max(1);
+    columns.step_by(step)
+}
+
+/// Sum of all cells, by sixteens and eights, which compilers turn into one instruction each.
+#[inline(always)]
+fn total(cells: &[u8]) -> u32 {
+    let (sixteens, rest) = cells.as_chunks::<16>();
+    let (eights, rest) = rest.as_chunks::<8>();
+    let mut sum = 0;
+    for part in sixteens {
+        sum += u32::from(part.iter().map(|cell| u16::from(*cell)).sum::<u16>());
+    }
+    for part in eights {
+        sum += u32::from(part.iter().map(|cell| u16::from(*cell)).sum::<u16>());
+    }
+    sum + rest.iter().map(|cell| u32::from(*cell)).sum::<u32>()
+}
+
+#[inline(always)]
+fn unknown(cells: &[u8]) -> u32 {
+    let (sixteens, rest) = cells.as_chunks::<16>();
+    let mut sum = 0;
+    for part in sixteens {
+        sum += u32::from(part.iter().map(|cell| u8::from(*cell == 0)).sum::<u8>());
+    }
+    sum + rest.iter().map(|cell| u32::from(*cell == 0)).sum::<u32>()
+}
+
+/// The box between two edges, if it has the shape of a window and can be seen.
+#[inline(always)]
+pub(super) fn propose(planes: &Planes<'_>, left: &Edge, right: &Edge) -> Option<WindowBox> {
+    let per_degree = planes.resolution.per_degree() as i32;
+    let round = |fine: i32| (fine + FINE / 2).div_euclid(FINE);
+    let (start, end) = (round(left.x), round(right.x));
+    let (top, bottom) = (left.top.max(right.top), left.bottom.min(right.bottom));
+    let shorter = (left.bottom - left.top).min(right.bottom - right.top);
+    let row_of = |elevation: i32| (TOP_DEG - elevation) * per_degree * FINE;
+    if (left.rim && right.rim)
+        || bottom - top < (shorter / 2).max(SHARED_DEG * per_degree * FINE)
+        || top > row_of(HIGH_DEG)
+        || bottom < row_of(LOW_DEG)
+        || end - start < NARROWEST_DEG as i32 * per_degree
+    {
+        return None;
+    }
+    let (top, bottom) = (round(top).max(0), round(bottom).min(planes.resolution.rows() as i32));
+    if bottom - top < 4 {
+        return None;
+    }
+    scored(planes, start as usize, end as usize, top as usize, bottom as usize)
+}
+
+#[inline(always)]
+fn scored(planes: &Planes<'_>, start: usize, end: usize, top: usize, bottom: usize) -> Option<WindowBox> {
+    let (width, height) = (end - start, bottom - top);
+    let inside = planes.sums(&(top..bottom), start..end);
+    if 10 * inside.known < 6 * inside.cells {
+        return None;
+    }
+    let (rank, texture) = inside.means();
+    let (flank_rank, flank_texture) = flanks(planes, start..end, &(top..bottom))?;
+    let (lintel, lintel_row) = strongest_row(planes, start..end, above(planes, top, height));
+    let (sill, sill_row) = strongest_row(planes, start..end, below(planes, bottom, height));
+    let borders = (lintel + sill) as i32 * NAT / (2 * 255 * sampled(start..end).len() as i32).max(1);
+    let per_level = |difference: i32| difference * NAT / (255 * 16);
+    let octaves = log2_ratio(width as u32, height as u32);
+    let wide = (octaves + NAT * 4 / 5).max(0);
+    let narrow = (-2 * NAT - octaves).max(0);
+    let score = LINTEL * borders
+        + CONTRAST * per_level(rank - flank_rank)
+        + TEXTURE * per_level(texture - flank_texture)
+        - WIDE_HALVES * wide / 2
+        - NARROW_HALVES * narrow / 2
+        + BIAS;
+    Some(WindowBox {
+        start: start as u16,
+        end: end as u16,
+        top: top.min(lintel_row) as u16,
+        bottom: bottom.max(sill_row + 1) as u16,
+        score: score.clamp(i32::from(i16::MIN), i32::from(i16::MAX)) as i16,
+        next: u16::MAX,
+    })
+}
+
+/// Mean rank beside a box, and the larger mean texture of its two sides; `None` where neither can be seen.
+#[inline(always)]
+fn flanks(
+    planes: &Planes<'_>,
+    columns: core::ops::Range<usize>,
+    rows: &core::ops::Range<usize>,
+) -> Option<(i32, i32)> {
+    let per_degree = planes.resolution.per_degree();
+    let [least, most] = FLANK_EIGHTHS.map(|eighths| (eighths * per_degree).div_ceil(8));
+    let width = columns.len().div_ceil(2).max(least).min(most);
+    // One cell of gap to the edge.
+    let left = columns.start + planes.resolution.columns() - 1 - width;
+    let right = columns.end + 1;
+    // No closure: it would not be compiled along with this.
+    let sides = [planes.sums(rows, left..left + width), planes.sums(rows, right..right + width)];
+    let (mut rank, mut texture, mut seen) = (0, i32::MIN, 0);
+    for side in sides.iter().filter(|side| 10 * side.known > 3 * side.cells) {
+        let (side_rank, side_texture) = side.means();
+        rank += side_rank;
+        texture = texture.max(side_texture);
+        seen += 1;
+    }
+    (seen > 0).then(|| (rank / seen, texture))
+}
+
+fn inner(planes: &Planes<'_>, height: usize) -> usize {
+    (INSIDE_HALVES * planes.resolution.per_degree() / 2).min(height / 4)
+}
+
+fn above(planes: &Planes<'_>, top: usize, height: usize) -> core::ops::Range<usize> {
+    let outside = OUTSIDE_HALVES * planes.resolution.per_degree() / 2;
+    top.saturating_sub(outside)..top + inner(planes, height)
+}
+
+fn below(planes: &Planes<'_>, bottom: usize, height: usize) -> core::ops::Range<usize> {
+    let outside = OUTSIDE_HALVES * planes.resolution.per_degree() / 2;
+    bottom - inner(planes, height)..(bottom + outside).min(planes.resolution.rows())
+}
+
+/// The most textured of some rows across some columns: the sum of its texture, and the row.
+#[inline(always)]
+fn strongest_row(
+    planes: &Planes<'_>,
+    columns: core::ops::Range<usize>,
+    rows: core::ops::Range<usize>,
+) -> (u32, usize) {
+    let mut totals = [0_u16; MOST_ROWS];
+    for column in sampled(columns) {
+        // 32 columns of 255 fit.
+        for (total, cell) in totals.iter_mut().zip(planes.column(planes.texture, column, &rows)) {
+            *total = total.wrapping_add(u16::from(*cell));
+        }
+    }
+    let mut best = (0, rows.start);
+    for (total, row) in totals.iter().zip(rows) {
+        if *total > best.0 {
+            best = (*total, row);
+        }
+    }
+    (u32::from(best.0), best.1)
+}
+
+/// log2(a / b) in 1/256, within -5 to 4.
+fn log2_ratio(a: u32, b: u32) -> i32 {
+    (log2(a.max(1)) - log2(b.max(1))).clamp(-5 * NAT, 4 * NAT)
+}
+
+/// log2 in 1/256, rounded down, by repeated squaring.
+fn log2(value: u32) -> i32 {
+    let whole = value.ilog2();
+    // 1 <= mantissa < 2 in 1/2^15.
+    let mut mantissa = (u64::from(value) << 15 >> whole) as u32;
+    let mut log = whole as i32;
+    for _ in 0..8 {
+        mantissa = (mantissa * mantissa) >> 15;
+        let bit = mantissa >> 16;
+        log = 2 * log + bit as i32;
+        mantissa >>= bit;
+    }
+    log
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn logarithms_are_within_a_256th() {
+        for value in 1..5000_u32 {
+            let exact = f64::from(value).log2() * 256.0;
+            assert!((f64::from(log2(value)) - exact).abs() <= 1.05, "{value}: {} {exact}", log2(value));
+        }
+    }
+}

@@ -1,0 +1,118 @@
+//! The ring: what both cameras see, as a panorama of azimuth and elevation levelled by the up vector.
+//!
+//! Its cells lie column by column, so that what is measured between two heights is contiguous. Columns go clockwise,
+//! from 180 degrees at the left border of the first; rows go down.
+
+use crate::base::raster::GrayImage;
+use crate::vision::camera::Rig;
+use crate::vision::level_frame::LevelFrame;
+use crate::vision::panorama::{Resolution, TOP_DEG};
+use crate::vision::projector::{Node, Projector};
+use crate::vision::sample::{ExclusionMask, around, between};
+
+/// The projection is computed for every so many-th border of a cell, and interpolated between: 2 or 4 degrees.
+const SIDE: usize = 8;
+/// Most rows of that grid, both borders included.
+const GRID_ROWS: usize = Resolution::FINE.rows().div_ceil(SIDE) + 1;
+/// Draws what one camera sees into the ring: gray levels 1 to 255; cells that it does not see, or where safety
+/// gear is, are left as they are.
+///
+/// The camera nearest to a bearing by its axis has it; `rig` must therefore hold those that are in use.
+#[inline(always)]
+pub(super) fn draw(
+    cells: &mut [u8],
+    resolution: Resolution,
+    rig: &Rig,
+    camera: usize,
+    level: LevelFrame,
+    (image, red): (&GrayImage<'_>, ExclusionMask<'_>),
+) {
+    let Some(projector) = Projector::new(rig, camera, level) else { return };
+    let grid = SIDE as i32 / resolution.per_degree() as i32;
+    let angle = |from: i32, node: usize| {
+        libm::sincosf((from - node as i32 * grid) as f32 * (core::f32::consts::PI / 180.0))
+    };
+    let elevations: [_; GRID_ROWS] = core::array::from_fn(|row| angle(TOP_DEG, row));
+    let rows = resolution.rows().div_ceil(SIDE);
+    let nodes = |column: usize| {
+        let azimuth = angle(180, column);
+        let mut nodes = [Node::default(); GRID_ROWS];
+        for (node, elevation) in nodes.iter_mut().zip(elevations).take(rows + 1) {
+            *node = projector.node(azimuth, elevation);
+        }
+        nodes
+    };
+    let mut left = nodes(0);
+    for column in 0..resolution.columns() / SIDE {
+        let right = nodes(column + 1);
+        let pairs = left.windows(2).zip(right.windows(2)).take(rows).enumerate();
+        for (row, (left, right)) in pairs {
+            let (&[a, c], &[b, d]) = (left, right) else { continue };
+            let corners = [a, b, c, d];
+            if corners.iter().all(|n| n.usable) && corners.iter().any(|n| n.lead > 0) {
+                draw_patch(cells, resolution, (column, row), &corners, image, red);
+            }
+        }
+        left = right;
+    }
+}
+
+/// Draws the cells between four nodes, `SIDE` a side: upper left, upper right, lower left, lower right.
+///
+/// A column at a time, in arrays: positions and levels then come in vectors, and only the pixels one by one.
+#[inline(always)]
+fn draw_patch(
+    cells: &mut [u8],
+    resolution: Resolution,
+    (column, row): (usize, usize),
+    [a, b, c, d]: &[Node; 4],
+    image: &GrayImage<'_>,
+    red: ExclusionMask<'_>,
+) {
+    // Cell centres lie at odd halves of cells, so weights are of `2 SIDE`, a power of two.
+    let bits = SIDE.trailing_zeros() + 1;
+    let twice = 2 * SIDE as i32;
+    let top = row * SIDE;
+    let height = SIDE.min(resolution.rows().saturating_sub(top));
+    // Red is looked for in every other cell of every other column, and taken to be around it.
+    let mut hidden = [false; SIDE];
+    for u in 0..SIDE {
+        let wx = 2 * u as i32 + 1;
+        let blend = |left: i32, right: i32| left * (twice - wx) + right * wx;
+        let down = |upper: i32, lower: i32| {
+            let mut places = [0; SIDE];
+            for (v, place) in places.iter_mut().enumerate() {
+                let wy = 2 * v as i32 + 1;
+                *place = (upper * (twice - wy) + lower * wy) >> (2 * bits);
+            }
+            places
+        };
+        let x = down(blend(a.x, b.x), blend(c.x, d.x));
+        let y = down(blend(a.y, b.y), blend(c.y, d.y));
+        let lead = down(blend(a.lead, b.lead), blend(c.lead, d.lead));
+        let [mut upper_left, mut upper_right, mut lower_left, mut lower_right] = [[0; SIDE]; 4];
+        let mut seen = [0; SIDE];
+        for v in 0..height {
+            if v % 2 == 0 && u % 2 == 0 {
+                hidden[v] = red.at(x[v], y[v]);
+            }
+            if lead[v] > 0
+                && !hidden[v & !1]
+                && let Some(four) = around(image, x[v], y[v])
+            {
+                [upper_left[v], upper_right[v], lower_left[v], lower_right[v]] = four;
+                seen[v] = u8::MAX;
+            }
+        }
+        let mut levels = [0; SIDE];
+        for (v, level) in levels.iter_mut().enumerate() {
+            let four = [upper_left[v], upper_right[v], lower_left[v], lower_right[v]];
+            *level = between(four, x[v], y[v]) & seen[v];
+        }
+        let start = (column * SIDE + u) * resolution.rows() + top;
+        let cells = cells.get_mut(start..start + height).unwrap_or(&mut []);
+        for ((cell, level), lead) in cells.iter_mut().zip(levels).zip(lead) {
+            *cell = if lead > 0 { level } else { *cell };
+        }
+    }
+}
