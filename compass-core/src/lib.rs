@@ -46,6 +46,7 @@ pub mod base;
 pub mod descriptor;
 #[cfg(feature = "draw")]
 pub mod draw;
+pub mod locator;
 pub mod map;
 pub mod pose;
 pub mod vision;

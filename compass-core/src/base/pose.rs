@@ -24,3 +24,15 @@ impl Separation {
         a.1.distance(b.1) < self.turn && a.0.within(b.0, self.distance)
     }
 }
+
+/// Where camera 0 is, and where it looks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Pose {
+    /// Number of the floor, in the order of the site.
+    pub floor: u8,
+    /// Position on the map.
+    pub at: Point,
+    /// Direction of the optical axis, projected on the floor: counter-clockwise from +x.
+    pub heading: Turn,
+}

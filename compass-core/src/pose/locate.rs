@@ -1,11 +1,11 @@
 //! From what is seen to a pose: search over heights of ceiling and camera, candidates and headings, refinement, answer.
 
-use super::evidence::weigh;
+use super::evidence::{EvidenceTable, weigh};
+use super::heights::{HeightPrior, Heights};
 use super::{
-    Answer, EvidenceTable, FloorLayer, Rows, ScoredPose, answer, refine_coarse, refine_final, refine_fine,
-    search,
+    Answer, Fix, FloorLayer, Headings, PoolEntry, ScoredPose, answer, refine_coarse, refine_final,
+    refine_fine,
 };
-use crate::base::ladder::height_m;
 use crate::base::num::{Metres, Turn};
 use crate::base::order;
 use crate::vision::boundary::{BoundaryEvidence, MAX_CEILINGS, RangeLikelihoods};
@@ -22,34 +22,20 @@ const SAME_TURN: Turn = Turn::from_ratio(15, 360);
 
 /// Where the camera's height is not known, every second rung of it is tried, 13 %, and all where the answer is not sure.
 const HEIGHT_STEPS: [usize; 2] = [2, 1];
-/// An answer that leads by so many nats needs no second look, with another ceiling.
-pub const SURE_NATS: i32 = 150;
-
-/// Log odds against an answer whose margin is 0, and what they lose per unit of ln(1 + margin in nats).
-const CERTAINTY: [f32; 2] = [14.02, 3.26];
-
-/// What is known of the room and of how the cameras are carried.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct HeightPrior {
-    /// Height of the camera above the floor, in [rungs](crate::base::ladder::height_rungs).
-    pub height: Option<i8>,
-    /// By how many rungs the ceiling is higher above the camera than the floor below it.
-    pub ceiling: Option<i8>,
-}
-
-/// Memory lent for the search; what it holds before does not matter. The search tries N headings: 90 do, and nearly as
-/// well 40 where the camera's height is told; the rest is refinement.
+/// Memory lent for the search; what it holds before does not matter.
 #[derive(Debug)]
-pub struct Work<'a, const N: usize> {
+pub struct Work<'a> {
     /// For the likelihoods of ranges.
     pub ranges: &'a mut RangeLikelihoods,
     /// For the evidence.
     pub table: &'a mut EvidenceTable,
-    /// For the search.
-    pub rows: &'a mut Rows<N>,
-    /// 64 to 512 places.
-    pub pool: &'a mut [ScoredPose],
+    /// Headings that the search tries: 90 do, and nearly as well 40 where the camera's height is known; the rest is
+    /// refinement.
+    pub headings: Headings,
+    /// [`Headings::words`] for the search.
+    pub rows: &'a mut [u32],
+    /// 64 to [`MAX_POOL`](super::MAX_POOL) places.
+    pub pool: &'a mut [PoolEntry],
     /// How much work may be done.
     pub effort: Effort,
 }
@@ -78,51 +64,6 @@ impl Effort {
     pub const SOME: Self = Self { modes: 24, settled: 8, ceilings: 3, rays: 6, again: false };
     /// A third of it or less, and nearly as good where the camera's height is told.
     pub const LITTLE: Self = Self { modes: 8, settled: 3, ceilings: 1, rays: 6, again: false };
-
-    /// What pays on a microcontroller: little where the camera's height is told. Where it is not, so little work finds too
-    /// few.
-    #[must_use]
-    pub const fn on_board(room: &HeightPrior) -> Self {
-        if room.height.is_some() { Self::LITTLE } else { Self::SOME }
-    }
-}
-
-/// Where the cameras are.
-#[derive(Debug, Clone)]
-pub struct Fix {
-    /// The best pose and its alternatives, refined.
-    pub answer: Answer,
-    /// The camera's height in [rungs](crate::base::ladder::height_rungs): that given, or that found.
-    pub height: i8,
-    /// By how many rungs the ceiling is higher above the camera than the floor below it: that given, or that found.
-    pub ceiling: i8,
-}
-
-impl Fix {
-    /// The camera's height above the floor, metres, to half a rung: 3 %.
-    #[must_use]
-    pub fn height_m(&self) -> f32 {
-        height_m(self.height)
-    }
-
-    /// How likely the best pose is within 1 m of the true one, 0 to 1: from its margin over the best pose elsewhere.
-    ///
-    /// Logistic in the logarithm of the margin, fitted to 249 frame pairs of two storeys, 240 of them simulated
-    /// (`docs/design.md`). The score itself says little: bins next to each other err together.
-    #[must_use]
-    pub fn probability(&self) -> f32 {
-        if self.answer.best().is_none_or(|best| best.score <= 0) {
-            return 0.0;
-        }
-        let margin = self.answer.margin().max(0) as f32 / 16.0;
-        1.0 / (1.0 + libm::expf(CERTAINTY[0] - CERTAINTY[1] * libm::log1pf(margin)))
-    }
-
-    /// Whether the answer leads by so much that no other height of the ceiling was tried.
-    #[must_use]
-    pub fn is_sure(&self) -> bool {
-        self.answer.margin() >= 16 * SURE_NATS
-    }
 }
 
 /// A mode and the height of the camera that it was found with.
@@ -137,33 +78,36 @@ type Found = (ScoredPose, i8);
 /// For each ceiling tried one [`search`] per height, and refinement of as many modes as [`Effort::modes`] says. Where the
 /// height is not known, a room of usual height allows about 7, the best pose is tried with the two next to its own
 /// as well, and an answer that is not sure takes 14 more searches if [`Effort::again`].
-#[inline]
-pub fn locate<const N: usize>(
+pub fn locate<'a>(
     survey: &BoundaryEvidence<'_>,
-    room: HeightPrior,
+    known: HeightPrior,
     sighting: &WindowEvidence,
-    layers: &[FloorLayer<'_>],
-    work: &mut Work<'_, N>,
-) -> Fix {
-    let ceilings = room.ceiling.map_or_else(|| survey.ceilings(room.height), |known| Vec::from([known]));
+    layers: &[FloorLayer<'a>],
+    work: &mut Work<'_>,
+) -> Fix<'a> {
+    let camera = known.camera_rungs();
+    let ceilings =
+        known.ceiling_rungs().map_or_else(|| survey.ceilings(camera), |ceiling| Vec::from([ceiling]));
     let [coarse, fine] = HEIGHT_STEPS;
-    let mut best = Fix { answer: Answer::nothing(), height: room.height.unwrap_or(0), ceiling: 0 };
+    let fix = |(answer, camera), ceiling| Fix::new(answer, Heights { camera, ceiling }, known, layers);
+    let mut best = fix((Answer::nothing(), camera.unwrap_or(0)), 0);
     for (tried, &ceiling) in ceilings.iter().take(work.effort.ceilings.max(1)).enumerate() {
         survey.ranges(ceiling, work.ranges);
-        let (answer, height) = search_ceiling(room.height, coarse, sighting, layers, work);
-        if tried == 0 || answer.margin() > best.answer.margin() {
-            best = Fix { answer, height, ceiling };
+        let found = search_ceiling(camera, coarse, sighting, layers, work);
+        if tried == 0 || found.0.margin() > best.margin() {
+            best = fix(found, ceiling);
         }
         if best.is_sure() {
             return best;
         }
     }
-    if room.height.is_none() && work.effort.again {
-        survey.ranges(best.ceiling, work.ranges);
-        let (answer, height) = search_ceiling(None, fine, sighting, layers, work);
+    if camera.is_none() && work.effort.again {
+        let ceiling = best.heights().ceiling;
+        survey.ranges(ceiling, work.ranges);
+        let found = search_ceiling(None, fine, sighting, layers, work);
         // With the same ceiling scores compare.
-        if answer.score() > best.answer.score() {
-            best = Fix { answer, height, ..best };
+        if found.0.score() > best.score() {
+            best = fix(found, ceiling);
         }
     }
     best
@@ -171,24 +115,22 @@ pub fn locate<const N: usize>(
 
 /// The poses that explain best what was seen, with one ceiling, and the height of the camera, of which every `step`-th is
 /// tried.
-fn search_ceiling<const N: usize>(
+fn search_ceiling(
     height: Option<i8>,
     step: usize,
     sighting: &WindowEvidence,
     layers: &[FloorLayer<'_>],
-    work: &mut Work<'_, N>,
+    work: &mut Work<'_>,
 ) -> (Answer, i8) {
-    let Work { ranges, table, rows, pool, effort } = work;
+    let Work { ranges, table, headings, rows, pool, effort } = work;
     let heights = height.map_or_else(|| ranges.heights(), |known| known..=known);
     let mut evidence = Evidence { ranges, sighting, table, height: None };
     let wanted = effort.modes.clamp(1, MAX_MODES);
     let mut found: Vec<Found, MAX_MODES> = Vec::new();
     for height in heights.clone().step_by(step.max(1)) {
-        rows.set(evidence.at(height));
-        let count = search(rows, layers, |_, _| true, pool);
-        pool.iter()
-            .take(count.min(wanted))
-            .for_each(|mode| insert_if_better(&mut found, wanted, (*mode, height)));
+        let count = headings.search(evidence.at(height), rows, layers, pool);
+        let poses = pool.iter().take(count.min(wanted)).filter_map(|entry| entry.pose(layers));
+        poses.for_each(|mode| insert_if_better(&mut found, wanted, (mode, height)));
     }
     evidence.refine(&heights, layers, &mut found, |table, layer, mode| {
         refine_coarse(table, layer, mode, effort.rays)

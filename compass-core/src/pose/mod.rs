@@ -12,6 +12,8 @@
 
 mod answer;
 pub mod evidence;
+mod fix;
+mod headings;
 pub mod heights;
 pub mod locate;
 mod parallax;
@@ -23,9 +25,11 @@ pub mod wall_check;
 
 pub use answer::{Answer, answer};
 pub use evidence::{EvidenceTable, LIMIT, OPEN_PLANE, PLANES, plane_of};
+pub use fix::{Fix, SURE_NATS};
+pub use headings::Headings;
 pub use refine::{MAX_CASTS, refine, refine_coarse, refine_final, refine_fine};
 pub use rows::Rows;
-pub use search::{FloorLayer, ScoredPose, search};
+pub use search::{FloorLayer, MAX_POOL, PoolEntry, ScoredPose, search};
 
 #[cfg(test)]
 pub(crate) mod tests;

@@ -5,6 +5,7 @@ use crate::base::num::{BINS, Metres, Point, Turn};
 use crate::base::order;
 use crate::map::plan::Plan;
 use crate::map::site_map::{PACKED_SCAN_BYTES, SiteMap};
+use bytemuck::{Pod, Zeroable};
 use core::cmp::Reverse;
 
 /// A candidate's second heading is at least this many degrees from its best.
@@ -27,6 +28,8 @@ pub struct FloorLayer<'a> {
     pub plan: Plan<'a>,
     /// The floor: layers of one floor share their coordinates.
     pub floor: u8,
+    /// Name of the floor.
+    pub name: &'a str,
 }
 
 impl<'a> FloorLayer<'a> {
@@ -66,6 +69,47 @@ impl ScoredPose {
     }
 }
 
+/// Most places that a pool keeps.
+pub const MAX_POOL: usize = 4096;
+
+/// A candidate at a heading and its score, kept while others are scored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Pod, Zeroable)]
+#[repr(C)]
+pub struct PoolEntry {
+    score: i32,
+    heading: u32,
+    /// Column and row of the plan, row from the south.
+    cell: [u16; 2],
+    layer: u32,
+}
+
+impl PoolEntry {
+    /// An entry to be overwritten. Every byte is zero.
+    pub const EMPTY: Self = Self { score: 0, heading: 0, cell: [0; 2], layer: 0 };
+
+    /// The pose; `None` if the layer does not exist.
+    #[must_use]
+    pub fn pose(&self, layers: &[FloorLayer<'_>]) -> Option<ScoredPose> {
+        let at = self.position(layers)?;
+        Some(ScoredPose { layer: self.layer as u8, at, heading: self.heading(), score: self.score })
+    }
+
+    fn position(&self, layers: &[FloorLayer<'_>]) -> Option<Point> {
+        let [column, row] = self.cell;
+        Some(layers.get(self.layer as usize)?.map.header().frame.cell_centre(column, row))
+    }
+
+    const fn heading(&self) -> Turn {
+        Turn::from_bits(self.heading)
+    }
+
+    /// As [`ScoredPose::order`]: positions rise with columns and rows.
+    fn order(&self) -> impl Ord + use<> {
+        let [column, row] = self.cell;
+        (Reverse(self.score), self.layer, row, column, self.heading)
+    }
+}
+
 /// Scores the candidates of all layers at N headings. Each offers its best heading, and its best one at
 /// least 20 degrees from that; `pool` keeps the best offers and then those of them that lie apart:
 /// 0.75 m or 15 degrees within a layer. Returns how many modes `pool` begins with, best first.
@@ -86,7 +130,7 @@ pub fn search<const N: usize>(
     rows: &Rows<N>,
     layers: &[FloorLayer<'_>],
     among: impl Fn(u8, usize) -> bool,
-    pool: &mut [ScoredPose],
+    pool: &mut [PoolEntry],
 ) -> usize {
     let mut pool = Pool { slots: pool, used: 0 };
     let mut scores = [0; N];
@@ -99,16 +143,17 @@ pub fn search<const N: usize>(
             }
             rows.scores(&Rows::planes_of_packed(packed), &mut scores);
             if pool.is_worth(Rows::<N>::of_360(top(&scores)))
-                && let Some(at) = layer.map.position(candidate)
+                && let Some(record) = layer.map.get(candidate)
             {
                 for (heading, score) in peaks(&scores) {
-                    let heading = Turn::from_ratio(heading as i64, N as u32);
-                    pool.insert(ScoredPose { layer: number, at, heading, score: Rows::<N>::of_360(score) });
+                    let heading = Turn::from_ratio(heading as i64, N as u32).to_bits();
+                    let (cell, layer) = (record.cell(), number.into());
+                    pool.insert(PoolEntry { score: Rows::<N>::of_360(score), heading, cell, layer });
                 }
             }
         }
     }
-    pool.suppress_near()
+    pool.suppress_near(layers)
 }
 
 fn top(scores: &[i16]) -> i16 {
@@ -132,7 +177,7 @@ fn best(scores: impl Iterator<Item = (usize, i16)>) -> (usize, i16) {
 
 /// The best offers so far; when full a heap whose first is the worst.
 struct Pool<'a> {
-    slots: &'a mut [ScoredPose],
+    slots: &'a mut [PoolEntry],
     used: usize,
 }
 
@@ -142,32 +187,36 @@ impl Pool<'_> {
         self.used < self.slots.len() || self.slots.first().is_some_and(|worst| score >= worst.score)
     }
 
-    fn insert(&mut self, mode: ScoredPose) {
+    fn insert(&mut self, entry: PoolEntry) {
         if let Some(slot) = self.slots.get_mut(self.used) {
-            *slot = mode;
+            *slot = entry;
             self.used += 1;
             if self.used == self.slots.len() {
-                order::heapify(self.slots, &ScoredPose::order);
+                order::heapify(self.slots, &PoolEntry::order);
             }
         } else if let Some(worst) = self.slots.first_mut()
-            && mode.order() < worst.order()
+            && entry.order() < worst.order()
         {
-            *worst = mode;
-            order::sink(self.slots, 0, &ScoredPose::order);
+            *worst = entry;
+            order::sink(self.slots, 0, &PoolEntry::order);
         }
     }
 
     /// Moves those that lie apart to the front, best first, and returns their number.
-    fn suppress_near(self) -> usize {
-        let modes = self.slots.get_mut(..self.used).unwrap_or_default();
-        order::sort_by_key(modes, ScoredPose::order);
+    fn suppress_near(self, layers: &[FloorLayer<'_>]) -> usize {
+        let entries = self.slots.get_mut(..self.used).unwrap_or_default();
+        order::sort_by_key(entries, PoolEntry::order);
         let mut kept = 0;
-        for next in 0..modes.len() {
-            let (Some(before), Some(mode)) = (modes.get(..kept), modes.get(next)) else { break };
-            let is_near =
-                |other: &ScoredPose| other.layer == mode.layer && mode.is_near(other, APART, APART_TURN);
+        for next in 0..entries.len() {
+            let (Some(before), Some(entry)) = (entries.get(..kept), entries.get(next)) else { break };
+            let at = entry.position(layers);
+            let is_near = |other: &PoolEntry| {
+                other.layer == entry.layer
+                    && other.heading().distance(entry.heading()) < APART_TURN
+                    && at.zip(other.position(layers)).is_some_and(|(a, b)| a.within(b, APART))
+            };
             if !before.iter().any(is_near) {
-                order::swap(modes, kept, next);
+                order::swap(entries, kept, next);
                 kept += 1;
             }
         }

@@ -82,7 +82,7 @@ impl Building {
 
     pub(crate) fn layer(&self) -> FloorLayer<'_> {
         let (map, plan) = (SiteMap::new(&self.map).unwrap(), Plan::new(&self.plan).unwrap());
-        FloorLayer { map, number: 0, plan, floor: 0 }
+        FloorLayer { map, number: 0, plan, floor: 0, name: "ground" }
     }
 }
 
@@ -125,9 +125,9 @@ fn find<const N: usize>(building: &Building, seed: u32) {
         layer.plan.scan(at, heading, &mut scan).unwrap();
         let table = evidence(&scan, &mut random);
         rows.set(&table);
-        let mut pool = [ScoredPose::NONE; 64];
+        let mut pool = [PoolEntry::EMPTY; 64];
         let used = search(&rows, &[layer], |_, _| true, &mut pool);
-        let modes = &mut pool[..used.min(8)];
+        let mut modes = poses(&[layer], &pool[..used.min(8)]);
         for mode in modes.iter_mut() {
             let refined = refine(&table, &layer, *mode);
             let again = refine(&table, &layer, refined);
@@ -135,7 +135,7 @@ fn find<const N: usize>(building: &Building, seed: u32) {
             assert_eq!(layer.plan.hit_at(refined.at), Some(Hit::Open));
             *mode = refined;
         }
-        let answer = answer(&[layer], modes);
+        let answer = answer(&[layer], &mut modes);
         let best = answer.best().unwrap();
         assert!(best.at.within(at, Metres::from_num(0.05)), "{best:?}, not {at:?}");
         assert!(best.heading.distance(heading) < Turn::from_ratio(1, 720), "{best:?}, not {degrees} degrees");
@@ -167,11 +167,16 @@ fn nothing_known_says_nothing() {
     let building = Building::new();
     let mut rows = Box::new(Rows::<90>::BLANK);
     rows.set(&EvidenceTable::EMPTY);
-    let mut pool = [ScoredPose::NONE; 16];
+    let mut pool = [PoolEntry::EMPTY; 16];
     let used = search(&rows, &[building.layer()], |_, _| true, &mut pool);
-    assert!(used > 0 && pool[..used].iter().all(|mode| mode.score == 0));
+    assert!(used > 0 && poses(&[building.layer()], &pool[..used]).iter().all(|mode| mode.score == 0));
     assert_eq!(search(&rows, &[building.layer()], |_, _| false, &mut pool), 0);
     assert_eq!(search(&rows, &[building.layer()], |_, _| true, &mut []), 0);
+}
+
+/// The entries of a pool as poses.
+fn poses(layers: &[FloorLayer<'_>], pool: &[PoolEntry]) -> Vec<ScoredPose> {
+    pool.iter().filter_map(|entry| entry.pose(layers)).collect()
 }
 
 /// Whatever its size, the pool keeps the best offers.
@@ -188,18 +193,20 @@ fn a_small_pool_keeps_the_best() {
     });
     let mut rows = Box::new(Rows::<360>::BLANK);
     rows.set(&table);
-    let mut all = vec![ScoredPose::NONE; 2000];
+    let mut all = vec![PoolEntry::EMPTY; 2000];
     let used = search(&rows, &[layer, layer], |_, _| true, &mut all);
+    let all = poses(&[layer; 2], &all);
     assert_eq!(all[0].at, all[1].at, "both layers are kept");
     let mut layers = [layer; 2];
     let floors = |layers: &[FloorLayer<'_>], all: &[ScoredPose]| answer(layers, &mut all.to_vec()).modes()[1];
-    assert!(!floors(&layers, &all[..used]).is_near(&all[0], Metres::ONE, Turn::from_ratio(20, 360)));
+    assert!(!floors(&layers, &all).is_near(&all[0], Metres::ONE, Turn::from_ratio(20, 360)));
     layers[1].floor = 1;
-    assert_eq!(floors(&layers, &all[..used]), all[1]);
+    assert_eq!(floors(&layers, &all), all[1]);
     for len in [1, 2, 3, 7, 100] {
-        let mut few = vec![ScoredPose::NONE; len];
+        let mut few = vec![PoolEntry::EMPTY; len];
         let kept = search(&rows, &[layer, layer], |_, _| true, &mut few);
-        assert!(kept > 0 && few[..kept].iter().all(|mode| all[..used].contains(mode)));
+        let few = poses(&[layer; 2], &few[..kept]);
+        assert!(kept > 0 && few.iter().all(|mode| all.contains(mode)));
         assert_eq!(few[0], all[0]);
     }
 }

@@ -3,6 +3,7 @@
 pub mod attitude;
 pub mod boundary;
 pub mod camera;
+pub mod lens_field;
 pub mod level_frame;
 pub mod panorama;
 pub(crate) mod projector;

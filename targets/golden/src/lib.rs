@@ -3,34 +3,37 @@
 //! The host, emulated Cortex-M boards and emulated ARM Linux all run this list on the same bytes. What
 //! floating point the core has is IEEE through one library, so the checksums must be equal everywhere, bit for bit.
 //!
-//! A stage reads the [`Inputs`] and what earlier stages left in the [`Workspace`], and leaves its own
-//! output there. Taking the checksum is a separate function, so that a target can count what the stage
-//! alone costs. To add a stage, give its output a field of [`Workspace`] and append it to [`STAGES`].
+//! Two parts: [`STAGES`] are functions that read the [`Inputs`] and what earlier stages left in the [`Workspace`]; to add
+//! one, give its output a field of [`Workspace`] and append it to the list. From frames to a pose the stages are those of
+//! the core's [`Locator`](compass_core::locator::Locator), whose [`Trace`](compass_core::locator::Trace) hands out what each
+//! finds. A [`Report`] is told when a stage begins and ends, so that a target can count what it costs, and then its
+//! checksum.
 #![no_std]
 #![forbid(unsafe_code)]
 
-mod chain;
-mod eyes;
+mod pipeline;
+mod sample;
+mod shots;
 
-pub use chain::{Chain, Found, Meter};
-use compass_board::Locator;
-use compass_core::base::ladder::height_rungs;
-use compass_core::descriptor::Descriptor;
-use compass_core::pose::{ScoredPose, FloorLayer};
-use compass_core::pose::locate::{Effort, Fix, HeightPrior};
-use compass_core::descriptor::matching::{Answer, Board, Exact, GROUP, Group, Index, Match, exhaustive, shortlist};
-use compass_core::base::num::{BINS, Metres, Point, Score, Turn, Unit};
-use compass_core::map::plan::Plan;
-use compass_core::base::scan::Scan;
 use compass_core::base::confidence::Confidence;
+use compass_core::base::num::{BINS, Metres, Point, Score, Turn, Unit};
+use compass_core::base::scan::Scan;
+use compass_core::descriptor::Descriptor;
+use compass_core::descriptor::matching::{
+    Answer, Board, Exact, GROUP, Group, Index, Match, exhaustive, shortlist,
+};
 use compass_core::descriptor::similarity::{Query, Similarity, Weights};
-use compass_core::map::site_map::SiteMap;
 use compass_core::descriptor::sketch::{Sketch, SketchQuery};
 use compass_core::descriptor::spectrum::{Complex, MAX_POINTS, forward};
-use compass_core::pose::track::{Estimate, Motion, Track};
+use compass_core::map::plan::Plan;
+use compass_core::map::site_map::SiteMap;
+use compass_core::pose::track::Track;
 use core::fmt::{self, Write as _};
+use core::hint::black_box;
 use crc::{CRC_32_ISO_HDLC, Crc, Digest};
-pub use eyes::{Eyes, UP, frames, rig};
+pub use pipeline::{POSE_RAM, POSE_STAGES};
+pub use sample::{FRAMES_FROM, WORDS, frames, prior, rig};
+pub use shots::{Located, Shots};
 
 /// Angles of the trigonometry stages.
 const ANGLES: usize = 2 * BINS;
@@ -38,13 +41,6 @@ const ANGLES: usize = 2 * BINS;
 const SHORTLIST: usize = 64;
 /// Matches that the shortlist chooses alternatives from.
 const SHORTLIST_POOL: usize = 256;
-/// How much work the search for the pose of the frames may do.
-/// Height of the cameras of the sample frames above the floor, metres.
-const CAMERA_HEIGHT_M: f32 = 1.6;
-/// Where the sample frames were taken (`compass_host::sample`).
-#[cfg(test)]
-const FRAMES_FROM: (Point, Turn) =
-    (Point::new(Metres::lit("4.12"), Metres::lit("17.77")), Turn::from_ratio(2886, 3600));
 /// Matches that the exact search chooses alternatives from.
 const EXACT_POOL: usize = 400;
 
@@ -88,7 +84,7 @@ impl Inputs<'static> {
 /// Bytes of the sample that every image carries: plan, map and frames.
 #[must_use]
 pub fn input_bytes() -> usize {
-    let frames = eyes::FRAMES.iter().map(|(gray, red)| gray.len() + red.len());
+    let frames = sample::FRAMES.iter().map(|(gray, red)| gray.len() + red.len());
     SAMPLE_PLAN.len() + SAMPLE_MAP.len() + frames.sum::<usize>()
 }
 
@@ -99,15 +95,6 @@ impl<'a> Inputs<'a> {
 
     fn map(&self) -> SiteMap<'a> {
         SiteMap::new(self.map).expect("the input is a site map")
-    }
-
-    /// Map and plan as one layer.
-    ///
-    /// # Panics
-    /// If they are none.
-    #[must_use]
-    pub fn layer(&self) -> FloorLayer<'a> {
-        FloorLayer { map: self.map(), number: 0, plan: self.plan(), floor: 0 }
     }
 }
 
@@ -131,16 +118,13 @@ pub struct Workspace {
     bounds: [i32; CANDIDATES],
     exact_pool: [Match; EXACT_POOL],
     proven: Option<Answer>,
-    eyes: Eyes,
-    fix: Option<Fix>,
-    track: Track,
-    estimate: Option<Estimate>,
+    pipeline: pipeline::Memory,
 }
 
 /// Bytes of RAM by what they are for; a board needs those of its own use. The rest of the [`Workspace`] keeps outputs
 /// for their checksums.
 pub const RAM: [(&str, usize); 4] = [
-    ("eyes", size_of::<Eyes>()),
+    ("eyes", POSE_RAM),
     ("track", size_of::<Track>()),
     (
         "shortlist",
@@ -159,12 +143,6 @@ pub const RAM: [(&str, usize); 4] = [
             + size_of::<[Match; EXACT_POOL]>(),
     ),
 ];
-
-/// Bytes of RAM on the way from frames to a pose, beside the stack.
-pub const POSE_RAM: usize = size_of::<Eyes>();
-
-/// The stages on that way.
-pub const POSE: [&str; 6] = ["segments", "segments_back", "attitude", "windows", "ranges", "locate"];
 
 impl Workspace {
     /// An empty workspace, usable in a `static`.
@@ -188,10 +166,7 @@ impl Workspace {
             bounds: [0; CANDIDATES],
             exact_pool: [Match::NONE; EXACT_POOL],
             proven: None,
-            eyes: Locator::new([0; eyes::SCRATCH]),
-            fix: None,
-            track: Track::new(),
-            estimate: None,
+            pipeline: pipeline::Memory::new(),
         }
     }
 }
@@ -270,62 +245,34 @@ pub const STAGES: &[Stage] = &[
             checksum(answer_words(w.proven.as_ref()).chain(bounds))
         },
     },
-    Stage { name: "segments", run: |_, w| detect(w, 0), checksum: |w| checksum(segment_words(&w.eyes, 0)) },
-    Stage {
-        name: "segments_back",
-        run: |_, w| detect(w, 1),
-        checksum: |w| checksum(segment_words(&w.eyes, 1)),
-    },
-    Stage { name: "attitude", run: attitude, checksum: |w| checksum(up_words(&w.eyes)) },
-    Stage { name: "windows", run: windows, checksum: |w| checksum(sight_words(&w.eyes)) },
-    Stage {
-        name: "ranges",
-        run: ranges,
-        checksum: |w| {
-            let survey = w.eyes.evidence().expect("the stage before was run");
-            let known = survey.known().iter().copied().map(u32::from);
-            checksum(survey.cells().iter().copied().map(u32::from).chain(known))
-        },
-    },
-    Stage { name: "locate", run: locate_frames, checksum: |w| checksum(fix_words(w.fix.as_ref())) },
-    Stage { name: "track", run: track_frames, checksum: |w| checksum(estimate_words(w.estimate.as_ref())) },
 ];
 
-/// The segments of a frame, bit for bit.
-fn segment_words(eyes: &Eyes, camera: usize) -> impl Iterator<Item = u32> + '_ {
-    eyes.segments(camera)
-        .iter()
-        .flat_map(|s| [s.x1.to_bits(), s.y1.to_bits(), s.x2.to_bits(), s.y2.to_bits(), s.score.into()])
-}
+/// What a target does beside a stage.
+pub trait Report {
+    /// A stage begins.
+    fn begin(&mut self, name: &'static str) {
+        let _ = name;
+    }
 
-/// The up vector and its inliers.
-fn up_words(eyes: &Eyes) -> impl Iterator<Item = u32> + '_ {
-    eyes.vertical().into_iter().flat_map(|v| {
-        let [front, back] = v.inliers.map(u32::from);
-        [v.up.x.to_bits(), v.up.y.to_bits(), v.up.z.to_bits(), front, back]
-    })
-}
+    /// Its work is done.
+    fn end(&mut self, name: &'static str) {
+        let _ = name;
+    }
 
-/// The windows, and what is told of each bin.
-fn sight_words(eyes: &Eyes) -> impl Iterator<Item = u32> + '_ {
-    eyes.sighting().into_iter().flat_map(|(windows, sighting)| {
-        let windows = windows.iter().flat_map(|w| {
-            let [[left, right], [top, bottom]] = [w.columns, w.rows].map(|pair| pair.map(u32::from));
-            [left, right, top, bottom, w.score as u32, w.camera.into()]
-        });
-        let bins = sighting.hit.iter().zip(sighting.confidence.sixteenths()).zip(&sighting.evidence);
-        windows.chain(bins.flat_map(|((hit, confidence), evidence)| {
-            [*hit as u32, u32::from(*confidence), *evidence as u32]
-        }))
-    })
+    /// The [`checksum`] of its output.
+    fn check(&mut self, name: &'static str, checksum: u32);
 }
 
 /// Runs all stages and reports the name and checksum of each.
-pub fn run(inputs: &Inputs<'_>, workspace: &mut Workspace, report: &mut dyn FnMut(&str, u32)) {
+pub fn run(inputs: &Inputs<'_>, workspace: &mut Workspace, report: &mut impl Report) {
     for stage in STAGES {
-        (stage.run)(inputs, workspace);
-        report(stage.name, (stage.checksum)(workspace));
+        let run = black_box(stage.run);
+        report.begin(stage.name);
+        run(inputs, workspace);
+        report.end(stage.name);
+        report.check(stage.name, (stage.checksum)(workspace));
     }
+    pipeline::run(inputs, &mut workspace.pipeline, report);
 }
 
 static CRC: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
@@ -457,67 +404,6 @@ fn exact(inputs: &Inputs<'_>, workspace: &mut Workspace) {
     let map = inputs.map();
     let index = Index::new(groups, &map).expect("the workspace is made for this map");
     *proven = exhaustive(&index, &map, query, None, exact, bounds, exact_pool);
-}
-
-/// The segments of one frame.
-fn detect(workspace: &mut Workspace, camera: usize) {
-    let frame = frames()[camera].expect("both cameras have one");
-    workspace.eyes.detect(&rig(), camera, &frame).expect("the memory is made for the frame");
-}
-
-/// The up vector, from the segments of both.
-fn attitude(_: &Inputs<'_>, workspace: &mut Workspace) {
-    workspace.eyes.level(&rig(), UP).expect("there are upright lines");
-}
-
-/// The windows around.
-fn windows(_: &Inputs<'_>, workspace: &mut Workspace) {
-    workspace.eyes.look(&rig(), &frames()).expect("up is known");
-}
-
-/// How far the walls are.
-fn ranges(_: &Inputs<'_>, workspace: &mut Workspace) {
-    workspace.eyes.survey(&rig(), &frames()).expect("the windows are known");
-}
-
-/// The pose of the frames, from what the eyes saw: searched on the whole map and refined on the plan.
-fn locate_frames(inputs: &Inputs<'_>, workspace: &mut Workspace) {
-    let room = HeightPrior { height: Some(height_rungs(CAMERA_HEIGHT_M)), ceiling: None };
-    let fix = workspace.eyes.locate(&[inputs.layer()], room, Effort::on_board(&room));
-    workspace.fix = Some(fix.expect("the ranges are known"));
-}
-
-/// The belief after the frames were seen twice, a fifth of a second and a few centimetres apart by odometry.
-fn track_frames(inputs: &Inputs<'_>, workspace: &mut Workspace) {
-    let Workspace { eyes, fix, track, estimate, .. } = workspace;
-    let Some(fix) = fix else { return };
-    let moved = Motion { forward_m: 0.03, left_m: -0.01, turn: 0.02 };
-    *track = Track::new();
-    for (seconds, motion) in [(0.0, None), (0.2, Some(moved))] {
-        let step = eyes.track(track, &[inputs.layer()], fix, seconds, motion);
-        *estimate = step.expect("the ranges are known");
-    }
-}
-
-/// All poses with their scores, and the height.
-fn fix_words(fix: Option<&Fix>) -> impl Iterator<Item = u32> + '_ {
-    fix.into_iter().flat_map(|fix| {
-        let heights = [fix.height as u32, fix.ceiling as u32];
-        fix.answer.modes().iter().flat_map(mode_words).chain(heights)
-    })
-}
-
-/// The likeliest pose, its probability and the spread.
-fn estimate_words(estimate: Option<&Estimate>) -> impl Iterator<Item = u32> + '_ {
-    estimate.into_iter().flat_map(|estimate| {
-        let numbers = [estimate.probability, estimate.spread_m].map(f32::to_bits);
-        mode_words(&estimate.mode).into_iter().chain(numbers)
-    })
-}
-
-fn mode_words(mode: &ScoredPose) -> [u32; 6] {
-    let [x, y] = [mode.at.x, mode.at.y].map(Metres::to_bits);
-    [x as u32, (x >> 32) as u32, y as u32, (y >> 32) as u32, mode.heading.to_bits(), mode.score as u32]
 }
 
 #[cfg(test)]

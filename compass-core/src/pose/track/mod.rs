@@ -53,11 +53,11 @@ pub struct Motion {
 
 /// What a frame brings.
 #[derive(Debug, Clone, Copy)]
-pub struct Frame<'a> {
+pub struct Observation<'a> {
     /// What was seen.
     pub table: &'a EvidenceTable,
     /// The poses that explain it best by themselves, refined.
-    pub modes: &'a [ScoredPose],
+    pub poses: &'a [ScoredPose],
     /// Seconds since the frame before; 0 for the first.
     pub seconds: f32,
     /// The motion since then, if it was measured.
@@ -113,18 +113,18 @@ impl Track {
     /// # Cost
     /// A [refinement](refine()) of each hypothesis, of which there are few once the belief has settled; without
     /// odometry two: at most twice [`MAX_HYPOTHESES`]. What is offered is compared with all that are there.
-    pub fn step(&mut self, layers: &[FloorLayer<'_>], frame: &Frame<'_>) -> Option<Estimate> {
+    pub fn step(&mut self, layers: &[FloorLayer<'_>], observation: &Observation<'_>) -> Option<Estimate> {
         core::mem::swap(&mut self.hypotheses, &mut self.former);
         self.hypotheses.clear();
-        let past = Past { layers, frame, bank: &self.former };
-        for mode in frame.modes {
+        let past = Past { layers, observation, bank: &self.former };
+        for mode in observation.poses {
             offer(&mut self.hypotheses, layers, past.reach(*mode));
         }
         for mode in self.former.iter().flat_map(|hypothesis| past.ahead(hypothesis)) {
             if let Some(layer) = layers.get(usize::from(mode.layer))
                 && layer.plan.hit_at(mode.at) == Some(Hit::Open)
             {
-                offer(&mut self.hypotheses, layers, past.reach(refine(frame.table, layer, mode)));
+                offer(&mut self.hypotheses, layers, past.reach(refine(observation.table, layer, mode)));
             }
         }
         self.weigh();
@@ -172,7 +172,7 @@ impl Track {
 #[derive(Clone, Copy)]
 struct Past<'a> {
     layers: &'a [FloorLayer<'a>],
-    frame: &'a Frame<'a>,
+    observation: &'a Observation<'a>,
     bank: &'a [Hypothesis],
 }
 
@@ -185,7 +185,7 @@ impl Past<'_> {
             let at = Point::new(mode.at.x.saturating_add(x), mode.at.y.saturating_add(y));
             ScoredPose { at, heading: mode.heading + turn_of(turn), ..mode }
         };
-        let [first, second] = match self.frame.motion {
+        let [first, second] = match self.observation.motion {
             Some(Motion { forward_m, left_m, turn }) => {
                 let (cos, sin) = mode.heading.cos_sin();
                 let (cos, sin): (f32, f32) = (cos.to_num(), sin.to_num());
@@ -194,7 +194,7 @@ impl Past<'_> {
             }
             None if rate == [0.0; 3] => [Some(mode), None],
             None => {
-                let [x, y, turn] = rate.map(|rate| rate * self.frame.seconds);
+                let [x, y, turn] = rate.map(|rate| rate * self.observation.seconds);
                 [Some(mode), Some(moved([x, y], turn))]
             }
         };
@@ -225,8 +225,8 @@ impl Past<'_> {
 
     /// Widths grow with time, and with odometry much less, with the motion it tells.
     fn widths(&self) -> Widths {
-        let seconds = finite(self.frame.seconds).clamp(0.0, 60.0);
-        match self.frame.motion {
+        let seconds = finite(self.observation.seconds).clamp(0.0, 60.0);
+        match self.observation.motion {
             Some(Motion { forward_m, left_m, turn }) => {
                 let way = libm::sqrtf(forward_m * forward_m + left_m * left_m);
                 Widths {
@@ -241,7 +241,7 @@ impl Past<'_> {
     /// Metres and radians per second from one pose to another; 0 for what nobody walks.
     fn rate(&self, from: &Hypothesis, to: &ScoredPose) -> [f32; 3] {
         let [dx, dy] = between(from.mode.at, to.at);
-        let seconds = self.frame.seconds;
+        let seconds = self.observation.seconds;
         let limit = FASTEST * seconds;
         let walks = seconds > 0.0 && dx * dx + dy * dy <= limit * limit;
         if walks { [dx, dy, turned(from.mode.heading, to.heading)].map(|d| d / seconds) } else { [0.0; 3] }

@@ -30,8 +30,8 @@ fn is_at(estimate: Option<Estimate>, mode: &ScoredPose) -> bool {
 }
 
 /// A frame of half a second.
-fn frame<'a>(table: &'a EvidenceTable, modes: &'a [ScoredPose], motion: Option<Motion>) -> Frame<'a> {
-    Frame { table, modes, seconds: 0.5, motion }
+fn frame<'a>(table: &'a EvidenceTable, poses: &'a [ScoredPose], motion: Option<Motion>) -> Observation<'a> {
+    Observation { table, poses, seconds: 0.5, motion }
 }
 
 #[test]
@@ -125,7 +125,7 @@ fn nonsense_is_harmless() {
     for value in [f32::NAN, f32::INFINITY, f32::MIN, 1e30, -1.0] {
         let motion = Motion { forward_m: value, left_m: value, turn: value };
         for motion in [Some(motion), None] {
-            let frame = Frame { table: &EvidenceTable::EMPTY, modes: &modes, seconds: value, motion };
+            let frame = Observation { table: &EvidenceTable::EMPTY, poses: &modes, seconds: value, motion };
             assert!(track.step(&layers, &frame).is_some_and(|e| e.probability > 0.0));
         }
     }

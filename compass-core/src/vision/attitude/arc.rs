@@ -3,6 +3,7 @@
 use super::degrees;
 use crate::vision::camera::{Bearing, Pixel, View};
 use crate::vision::segments::Segment;
+use bytemuck::{Pod, Zeroable};
 
 /// Arcs end at least this near to the optical axis: cosine of 92 degrees.
 const RIM_COS: f32 = -0.034_899_5;
@@ -12,7 +13,8 @@ const NEAR: f32 = 0.883_022_2;
 const MOST_WEIGHT: f32 = 25.0;
 
 /// A segment on the unit sphere, in the axes of camera 0.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
+#[repr(C)]
 pub struct Arc {
     /// Unit normal of its great circle.
     pub normal: Bearing,
@@ -21,7 +23,7 @@ pub struct Arc {
     /// Its length in degrees, at most 25.
     pub weight: f32,
     /// The camera it was seen by.
-    pub camera: u8,
+    pub camera: u32,
 }
 
 impl Arc {
@@ -36,7 +38,7 @@ impl Arc {
     /// The arc of a segment in a camera's image; `None` if an end lies beyond the camera's field or 92 degrees
     /// from its axis, or the arc is shorter than 0.1 degrees.
     #[must_use]
-    pub fn new(segment: &Segment, view: &View, camera: u8) -> Option<Self> {
+    pub fn new(segment: &Segment, view: &View, camera: u32) -> Option<Self> {
         let end = |x, y| {
             let bearing = view.camera.unproject(Pixel { x, y }).filter(|b| b.z > RIM_COS)?;
             Some(view.rotation * bearing)

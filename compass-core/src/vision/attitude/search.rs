@@ -144,7 +144,7 @@ impl<'a> Judge<'a> {
         for arc in self.arcs {
             let agreement = self.agreement(arc, &best.direction);
             if agreement > 0.0 {
-                if let Some(count) = inliers.get_mut(usize::from(arc.camera)) {
+                if let Some(count) = inliers.get_mut(arc.camera as usize) {
                     *count = count.saturating_add(1);
                 }
                 let weight = arc.weight * agreement;

@@ -30,7 +30,7 @@ fn room(up: Bearing, axis_deg: f32, jitter: f32) -> Vec<Arc> {
                 let mut off = || jitter * random();
                 let s =
                     Segment { x1: p.x + off(), y1: p.y + off(), x2: q.x + off(), y2: q.y + off(), score: 9 };
-                arcs.extend(Arc::new(&s, view, number as u8));
+                arcs.extend(Arc::new(&s, view, number as u32));
             }
         }
     };

@@ -423,7 +423,7 @@ impl<'a, 'out> Drawing<'a, 'out> {
         }
         match self.found.get_mut(self.count) {
             Some(slot) => {
-                *slot = Segment { x1, y1, x2, y2, score };
+                *slot = Segment { x1, y1, x2, y2, score: score.into() };
                 self.count += 1;
             }
             None => self.truncated = true,

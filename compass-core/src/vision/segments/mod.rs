@@ -22,11 +22,13 @@ mod validate;
 mod walk;
 
 use crate::base::raster::{BitMask, GrayImage};
+use bytemuck::{Pod, Zeroable};
 use core::fmt;
 
 /// A line segment, in pixels; pixel centres are at integers, x to the right, y down.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[repr(C)]
 pub struct Segment {
     /// x of the first end.
     pub x1: f32,
@@ -37,7 +39,7 @@ pub struct Segment {
     /// y of the second end.
     pub y2: f32,
     /// Number of its pixels whose gradient points across it (without validation: of its pixels).
-    pub score: u16,
+    pub score: u32,
 }
 
 impl Segment {
@@ -197,6 +199,16 @@ pub fn detect(
     let mut drawing = draw::Drawing::new(cells, smoothed, trail, found, *parameters);
     anchors::visit(&mut drawing, anchors);
     Ok(Detected { count: drawing.count, truncated: drawing.truncated })
+}
+
+/// Smooths an image: a Gaussian of 5 x 5 pixels, sigma 1. `row` is scratch of its width, `out` has its size.
+#[inline(always)]
+pub fn smooth(image: &GrayImage<'_>, row: &mut [u16], out: &mut [u8]) {
+    let width = image.width() as usize;
+    let row = row.get_mut(..width).unwrap_or_default();
+    for (y, out) in out.chunks_exact_mut(width.max(1)).enumerate() {
+        smooth::smooth_row(image, y, row, out);
+    }
 }
 
 /// Smooths the image and fills the cells.

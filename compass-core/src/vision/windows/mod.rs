@@ -26,6 +26,7 @@ use crate::vision::panorama::{Resolution, TOP_DEG, pixels_per_degree};
 use crate::vision::sample::ExclusionMask;
 use crate::vision::segments::{Parameters, Segment};
 use boxes::{LEAST_SCORE, Planes, WIDEST_DEG};
+use bytemuck::{Pod, Zeroable};
 use edges::{FINE, MAX_EDGES};
 use heapless::Vec;
 
@@ -54,8 +55,9 @@ pub struct Buffers<'a> {
 }
 
 /// A window on the ring.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Pod, Zeroable)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[repr(C)]
 pub struct Window {
     /// First column and the one after the last, clockwise; the latter may lie beyond the ring's last.
     pub columns: [u16; 2],
@@ -64,7 +66,7 @@ pub struct Window {
     /// Log odds that it is a window, 1/256 nat.
     pub score: i16,
     /// The camera that sees its middle.
-    pub camera: u8,
+    pub camera: u16,
 }
 
 impl Window {
@@ -242,11 +244,14 @@ pub fn segment_parameters(view: &crate::vision::camera::View) -> Parameters {
     usual
 }
 
-/// How much brighter windows are in their upper third than in their lower one: what lies outside is sky above and ground
-/// below, so a negative sum says that up and down were exchanged. `rank` is [`Buffers::gray`] after
-/// [`WindowFinder::finish`]; the unit is cells times rank.
+/// The sky must exceed the ground by more than one in this many of the whole range of brightness ranks.
+const SKY_SHARE: u64 = 50;
+
+/// Whether what lies outside the windows is brighter above than below, as sky and ground are: `Some(false)` says that up
+/// and down were exchanged; `None` without windows, or if neither is brighter. `rank` is [`Buffers::gray`] after
+/// [`WindowFinder::finish`].
 #[must_use]
-pub fn sky_above(windows: &[Window], rank: &[u8], resolution: Resolution) -> i64 {
+pub fn sky_is_above(windows: &[Window], rank: &[u8], resolution: Resolution) -> Option<bool> {
     let (columns, height) = (resolution.columns(), resolution.rows());
     let sum = |window: &Window, rows: core::ops::Range<u16>| -> i64 {
         let of_window = (window.columns[0]..window.columns[1]).map(|c| usize::from(c) % columns * height);
@@ -255,12 +260,17 @@ pub fn sky_above(windows: &[Window], rank: &[u8], resolution: Resolution) -> i64
         };
         of_window.flat_map(cells).map(|rank| i64::from(*rank)).sum()
     };
+    let third = |window: &Window| window.rows[1].saturating_sub(window.rows[0]) / 3;
     let contrast = |window: &Window| {
-        let [top, bottom] = window.rows;
-        let third = bottom.saturating_sub(top) / 3;
+        let ([top, bottom], third) = (window.rows, third(window));
         sum(window, top..top + third) - sum(window, bottom - third..bottom)
     };
-    windows.iter().map(contrast).sum()
+    let cells = |window: &Window| {
+        u64::from(window.columns[1].saturating_sub(window.columns[0])) * u64::from(third(window))
+    };
+    let sky: i64 = windows.iter().map(contrast).sum();
+    let most = 255 * windows.iter().map(cells).sum::<u64>();
+    (sky.unsigned_abs() * SKY_SHARE > most).then_some(sky > 0)
 }
 
 /// Whether a ring at this resolution skips pixels of the view's image, so that it is to be drawn from the smoothed one.
@@ -336,7 +346,7 @@ fn window(b: &WindowBox, rig: &Rig, level: &LevelFrame, resolution: Resolution) 
     let ([right, left], [sill, lintel]) = (window.azimuth_deg(resolution), window.elevation_deg(resolution));
     let middle = level.bearing((right + left) * 0.5 * radians, (sill + lintel) * 0.5 * radians);
     let nearness = |number: usize| rig.view(number).map_or(-2.0, |view| view.rotation.tr_mul(&middle).z);
-    window.camera = u8::from(nearness(1) > nearness(0));
+    window.camera = u16::from(nearness(1) > nearness(0));
     window
 }
 

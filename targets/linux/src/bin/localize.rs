@@ -1,20 +1,12 @@
 //! What the firmware of the same name finds, on the host or on (emulated) ARM Linux: `localize SITE SHOT...`.
 
-use compass_board::layers;
 use compass_core::vision::shot::Shot;
 use compass_core::map::site::Site;
-use compass_golden::{Chain, Meter};
+use compass_core::locator::Error as LocatorError;
+use compass_golden::Shots;
 use std::error::Error;
 use std::process::ExitCode;
 use std::sync::Mutex;
-
-struct Unmeasured;
-
-impl Meter for Unmeasured {
-    fn step<T>(&mut self, _: &'static str, work: impl FnOnce() -> T) -> T {
-        work()
-    }
-}
 
 fn main() -> ExitCode {
     match run() {
@@ -29,7 +21,7 @@ fn main() -> ExitCode {
 
 /// Whether all poses are known.
 fn run() -> Result<bool, Box<dyn Error>> {
-    static CHAIN: Mutex<Chain> = Mutex::new(Chain::new());
+    static SHOTS: Mutex<Shots> = Mutex::new(Shots::new());
     let mut paths = std::env::args().skip(1);
     let (Some(path), 1..) = (paths.next(), paths.len()) else {
         return Err("usage: localize SITE SHOT...".into());
@@ -38,8 +30,7 @@ fn run() -> Result<bool, Box<dyn Error>> {
     let bytes = std::fs::read(&path).map_err(|e| in_file(&path, &e))?;
     let site =
         Site::new(&bytes).and_then(|site| site.verify().map(|()| site)).map_err(|e| in_file(&path, &e))?;
-    let layers: Vec<_> = layers(&site).collect();
-    let mut chain = CHAIN.lock().expect("nobody else holds it");
+    let mut shots = SHOTS.lock().expect("nobody else holds it");
     let mut known = true;
     for path in paths {
         let bytes = std::fs::read(&path).map_err(|e| in_file(&path, &e))?;
@@ -47,13 +38,13 @@ fn run() -> Result<bool, Box<dyn Error>> {
             .and_then(|shot| shot.verify().map(|()| shot))
             .map_err(|e| in_file(&path, &e))?;
         println!("shot {path}");
-        match chain.run(&layers, &shot, &mut Unmeasured) {
+        match shots.locate(&site, &shot, &mut ()) {
             Ok(found) => {
                 println!("{found}");
                 known &= found.is_known();
             }
-            Err(compass_board::Error::Up) => {
-                println!("pose none: {}", compass_board::Error::Up);
+            Err(LocatorError::Up) => {
+                println!("pose none: {}", LocatorError::Up);
                 known = false;
             }
             Err(error) => return Err(in_file(&path, &error).into()),

@@ -1,22 +1,25 @@
-//! What the eyes of the sample see: two frames of 368 x 360 pixels.
+//! The frames that every target computes on: two of 368 x 360 pixels.
 
-use compass_board::{Frame, Locator, words};
+use crate::Inputs;
+use compass_core::base::num::{Metres, Point, Turn};
+use compass_core::base::raster::{BitMask, GrayImage};
+use compass_core::locator::{Frame, Frames, Prior, Settings};
+use compass_core::pose::heights::HeightPrior;
 use compass_core::vision::attitude::UpHint;
 use compass_core::vision::camera::{Bearing, Camera, Intrinsics, KannalaBrandt, Rig, View};
-use compass_core::base::raster::{BitMask, GrayImage};
 use compass_core::vision::sample::ExclusionMask;
-use compass_core::vision::panorama::Resolution;
 
 /// Size of the frames.
 const WIDTH: u16 = 368;
 /// Size of the frames.
 const HEIGHT: u16 = 360;
 
-/// The chain from these frames to a pose.
-pub type Eyes = Locator<[u32; SCRATCH]>;
+/// Words of memory that these frames take.
+pub const WORDS: usize = Settings::BOARD.memory_words(WIDTH, HEIGHT);
 
-/// Words of scratch that they need.
-pub(crate) const SCRATCH: usize = words(WIDTH, HEIGHT, Resolution::COARSE);
+/// Where the frames were taken (`compass_host::sample`).
+pub const FRAMES_FROM: (Point, Turn) =
+    (Point::new(Metres::lit("4.12"), Metres::lit("17.77")), Turn::from_ratio(2886, 3600));
 
 /// The frames of both cameras: gray levels, and a mask of what is red.
 pub(crate) static FRAMES: [(&[u8], &[u8]); 2] = [
@@ -30,24 +33,27 @@ pub(crate) static FRAMES: [(&[u8], &[u8]); 2] = [
     ),
 ];
 
-/// Both frames, as the eyes take them.
+/// Both frames.
 ///
 /// # Panics
 /// Never: the files have their size.
 #[must_use]
-pub fn frames() -> [Option<Frame<'static>>; 2] {
+pub fn frames() -> Frames<'static> {
     FRAMES.map(|(gray, red)| {
         let (width, height) = (WIDTH.into(), HEIGHT.into());
         let gray = GrayImage::new(gray, width, height).expect("the frame has its size");
         let red = BitMask::new(red, width, height).expect("the mask is of the frame's size");
-        Some(Frame { gray, red: ExclusionMask::Mask(red) })
+        Some(Frame { gray, excluded: ExclusionMask::Mask(red) })
     })
 }
 
-/// The rig hangs upside down.
-pub const UP: UpHint = UpHint::Up(Bearing::new(0.0, 1.0, 0.0));
+/// The rig hangs upside down, 1.6 m above the floor.
+#[must_use]
+pub const fn prior() -> Prior {
+    Prior { up: UpHint::Up(Bearing::new(0.0, 1.0, 0.0)), heights: HeightPrior::camera(1.6) }
+}
 
-/// The nominal rig of `compass-host`, for frames half as wide and high.
+/// The nominal rig of `compass-host`, for frames of a quarter of its width and height.
 ///
 /// # Panics
 /// Never: it is a usual one.
@@ -72,4 +78,17 @@ pub fn rig() -> Rig {
     );
     back.position = nalgebra::Vector3::new(0.0012, -0.0007, -0.038);
     Rig::new([Some(front), Some(back)]).expect("the rotation is one")
+}
+
+impl<'a> Inputs<'a> {
+    /// A locator for the frames on the floor of these inputs.
+    ///
+    /// # Panics
+    /// Never with the memory that [`WORDS`] says.
+    pub(crate) fn locator<'m>(&self, memory: &'m mut [u32]) -> crate::pipeline::SampleLocator<'a, 'm> {
+        let locator = compass_core::locator::Locator::without_site(rig(), Settings::BOARD, memory);
+        let mut locator = locator.expect("the memory is made for the frames");
+        locator.add_floor("sample", self.map(), self.plan()).expect("there is room for a floor");
+        locator
+    }
 }

@@ -1,0 +1,64 @@
+//! Why there is no pose.
+
+use core::fmt;
+
+/// Why the pipeline refuses what it was given, or cannot tell which way is up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum Error {
+    /// The memory is too small for frames and settings.
+    Memory {
+        /// Bytes that it lacks.
+        missing_bytes: usize,
+    },
+    /// The site has more layers than the locator holds.
+    Layers {
+        /// As many as it holds.
+        most: usize,
+    },
+    /// A frame is missing, or is of a camera that the rig does not have.
+    Camera {
+        /// Number of the camera.
+        camera: u8,
+        /// Whether the rig has the camera, and its frame is missing.
+        missing: bool,
+    },
+    /// A frame is not of the size that the rig says.
+    Size {
+        /// Number of the camera.
+        camera: u8,
+        /// Width and height that the rig says, pixels.
+        expected: [u32; 2],
+        /// Width and height of the frame, pixels.
+        found: [u32; 2],
+    },
+    /// Fewer segments than needed point to one vertical vanishing point.
+    Up,
+    /// The up vector lies along the optical axis of camera 0, which leaves no heading, or is no vector.
+    Axis,
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Memory { missing_bytes } => {
+                write!(f, "memory is too small for the frames: {missing_bytes} bytes are missing")
+            }
+            Self::Layers { most } => write!(f, "the site has more than {most} layers"),
+            Self::Camera { camera, missing: true } => write!(f, "the frame of cam{camera} is missing"),
+            Self::Camera { camera, missing: false } => {
+                write!(f, "there is a frame of cam{camera}, which the rig does not have")
+            }
+            Self::Size { camera, expected: [width, height], found: [x, y] } => {
+                write!(f, "the frame of cam{camera} has {x} x {y} pixels, the rig says {width} x {height}")
+            }
+            Self::Up => f.write_str("too few vertical lines to tell which way is up"),
+            Self::Axis => f.write_str(
+                "the up vector lies along the optical axis of cam0, or is no vector: it leaves no heading",
+            ),
+        }
+    }
+}
+
+impl core::error::Error for Error {}

@@ -1,0 +1,124 @@
+//! How the pipeline works, and what that costs.
+
+use super::memory::{self, Layout};
+use super::{CAMERAS, Error};
+use crate::pose::Headings;
+#[cfg(doc)]
+use crate::pose::MAX_POOL;
+use crate::pose::locate::Effort;
+use crate::vision::camera::Rig;
+use crate::vision::panorama::Resolution;
+
+/// Where smoothed frames come from: windows in large frames and the boundaries of floor and ceiling are sought in them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Smoothing {
+    /// Frames are taken as they are.
+    Off,
+    /// Each stage smooths its frames anew: no memory beside that of other stages.
+    Again,
+    /// Those of the detector are kept: a byte a pixel of both cameras. The same bits as [`Again`](Self::Again).
+    Kept,
+}
+
+/// How the pipeline works. Start from a preset and change what differs.
+///
+/// | preset | RAM, two cameras | frames to pose | found |
+/// |---|---|---|---|
+/// | [`FULL`](Self::FULL) | 11 MB at 1472 x 1440 | | |
+/// | [`BOARD`](Self::BOARD) | at 368 x 360 | | |
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// Finest cells of the panorama; lenses of fewer than 3 pixels a degree have [`Resolution::COARSE`] in any case.
+    pub panorama: Resolution,
+    /// Segments kept of each frame; of more the first count.
+    pub segments: usize,
+    /// Near-vertical segments of both frames.
+    pub vertical_segments: usize,
+    /// Pairs of edges that may be windows.
+    pub boxes: usize,
+    /// Windows all around.
+    pub windows: usize,
+    /// Whether frames are smoothed for windows and boundaries.
+    pub smoothing: Smoothing,
+    /// Whether segments are sought within 95 degrees of the optical axis alone: a bit of memory a pixel.
+    pub lens_field_mask: bool,
+    /// Largest angle between a segment and the vertical that it points to, degrees; 2, and 3 for coarse lenses, if `None`.
+    pub inlier_tolerance_deg: Option<f32>,
+    /// Headings at which candidates are scored.
+    pub headings: Headings,
+    /// Poses that the search keeps for refinement, at most [`MAX_POOL`].
+    pub pool: usize,
+    /// Work of the search where the camera's height is not known.
+    pub effort: Effort,
+    /// Work of the search where it is.
+    pub effort_at_known_height: Effort,
+}
+
+impl Settings {
+    /// What pays on a computer: all that helps.
+    pub const FULL: Self = Self {
+        panorama: Resolution::FINE,
+        segments: 8192,
+        vertical_segments: 2048,
+        boxes: 8192,
+        windows: 256,
+        smoothing: Smoothing::Kept,
+        lens_field_mask: true,
+        inlier_tolerance_deg: None,
+        headings: Headings::N90,
+        pool: 512,
+        effort: Effort::FULL,
+        effort_at_known_height: Effort::FULL,
+    };
+
+    /// What pays on a microcontroller with 512 KiB of RAM, for frames of 368 x 360 pixels.
+    pub const BOARD: Self = Self {
+        panorama: Resolution::COARSE,
+        segments: 512,
+        vertical_segments: 256,
+        boxes: 1024,
+        windows: 64,
+        smoothing: Smoothing::Off,
+        lens_field_mask: false,
+        inlier_tolerance_deg: None,
+        headings: Headings::N40,
+        pool: 64,
+        effort: Effort::SOME,
+        effort_at_known_height: Effort::LITTLE,
+    };
+
+    /// Words of memory that a rig of one or two cameras with images of at most this size takes.
+    #[must_use]
+    pub const fn memory_words(&self, width: u16, height: u16) -> usize {
+        Layout::new(self, [[width, height]; CAMERAS]).words()
+    }
+
+    /// The work of the search.
+    pub(super) const fn effort(&self, is_height_known: bool) -> Effort {
+        if is_height_known { self.effort_at_known_height } else { self.effort }
+    }
+
+    /// What the settings allow and the coarsest camera holds.
+    pub(super) fn resolution(&self, rig: &Rig) -> Resolution {
+        let coarse = rig.views().any(|(_, view)| Resolution::of(view) == Resolution::COARSE);
+        if coarse { Resolution::COARSE } else { self.panorama }
+    }
+
+    /// Largest angle between a segment and the vertical that it points to, degrees.
+    pub(super) fn tolerance_deg(&self, resolution: Resolution) -> f32 {
+        self.inlier_tolerance_deg.unwrap_or(if resolution == Resolution::COARSE { 3.0 } else { 2.0 })
+    }
+
+    pub(super) fn layout(&self, rig: &Rig) -> Layout {
+        Layout::new(
+            self,
+            [0, 1].map(|camera| rig.view(camera).map_or([0; 2], |view| [view.width, view.height])),
+        )
+    }
+
+    pub(super) fn check(&self, rig: &Rig, words: usize) -> Result<(), Error> {
+        let missing = self.layout(rig).words().saturating_sub(words);
+        if missing == 0 { Ok(()) } else { Err(Error::Memory { missing_bytes: missing * memory::WORD_BYTES }) }
+    }
+}

@@ -1,0 +1,86 @@
+//! How many headings the search tries.
+
+use super::evidence::EvidenceTable;
+use super::rows::Rows;
+use super::search::{FloorLayer, PoolEntry, search};
+use core::fmt;
+
+/// Searches all candidates of all layers for a table of evidence; returns how many poses the pool begins with.
+type Search = fn(&EvidenceTable, &mut [u32], &[FloorLayer<'_>], &mut [PoolEntry]) -> usize;
+
+/// How many headings the search tries at each candidate.
+///
+/// A program holds the code of those numbers alone that it names.
+#[derive(Clone, Copy)]
+pub struct Headings {
+    count: u16,
+    words: usize,
+    search: Search,
+}
+
+impl Headings {
+    /// Every 9 degrees.
+    pub const N40: Self = Self::of::<40>();
+    /// Every 4 degrees.
+    pub const N90: Self = Self::of::<90>();
+    /// Every 2 degrees.
+    pub const N180: Self = Self::of::<180>();
+    /// Every degree.
+    pub const N360: Self = Self::of::<360>();
+
+    const fn of<const N: usize>() -> Self {
+        Self { count: N as u16, words: size_of::<Rows<N>>().div_ceil(size_of::<u32>()), search: run::<N> }
+    }
+
+    /// How many.
+    #[must_use]
+    pub const fn count(&self) -> u16 {
+        self.count
+    }
+
+    /// Words of memory that the search takes.
+    #[must_use]
+    pub const fn words(&self) -> usize {
+        self.words
+    }
+
+    /// Searches all candidates of all layers at these headings: see [`search`]. Returns how many poses `pool` begins
+    /// with, best first; none if `words` is too short.
+    #[must_use]
+    pub fn search(
+        &self,
+        table: &EvidenceTable,
+        words: &mut [u32],
+        layers: &[FloorLayer<'_>],
+        pool: &mut [PoolEntry],
+    ) -> usize {
+        (self.search)(table, words, layers, pool)
+    }
+}
+
+fn run<const N: usize>(
+    table: &EvidenceTable,
+    words: &mut [u32],
+    layers: &[FloorLayer<'_>],
+    pool: &mut [PoolEntry],
+) -> usize {
+    let bytes: &mut [u8] = bytemuck::must_cast_slice_mut(words);
+    let bytes = bytes.get_mut(..size_of::<Rows<N>>()).unwrap_or_default();
+    let Ok(rows) = bytemuck::try_from_bytes_mut::<Rows<N>>(bytes) else { return 0 };
+    rows.set(table);
+    search(rows, layers, |_, _| true, pool)
+}
+
+impl PartialEq for Headings {
+    fn eq(&self, other: &Self) -> bool {
+        self.count == other.count
+    }
+}
+
+impl Eq for Headings {}
+
+impl fmt::Debug for Headings {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Headings({})", self.count)
+    }
+}

@@ -1,0 +1,96 @@
+//! The part of an image that its lens draws.
+
+use crate::vision::camera::{Bearing, View};
+
+/// Segments are sought this far from the optical axis, radians: 95 degrees.
+const FIELD: f32 = 95.0 * core::f32::consts::PI / 180.0;
+/// Pixels next to the rim that its gradient reaches.
+const RIM_PX: f32 = 3.0;
+
+/// Sets the bits of the pixels within 95 degrees of the optical axis, a rim of 3 pixels left out, in the layout of
+/// [`BitMask`](crate::base::raster::BitMask); the others are cleared.
+pub fn fill_mask(view: &View, bits: &mut [u8]) {
+    let row_bytes = usize::from(view.width).div_ceil(8);
+    let circle = Circle::of(view);
+    for (y, row) in (0..view.height).zip(bits.chunks_exact_mut(row_bytes.max(1))) {
+        let inside = circle.columns(f32::from(y), view.width);
+        for (byte, from) in row.iter_mut().zip((0_u16..).step_by(8)) {
+            let bits = |end: u16| (1_u16 << end.saturating_sub(from).min(8)) - 1;
+            *byte = (bits(inside[1]) & !bits(inside[0])) as u8;
+        }
+    }
+}
+
+/// The border of the field: an ellipse around the principal point.
+struct Circle {
+    centre: [f32; 2],
+    focal: [f32; 2],
+    /// In focal lengths.
+    radius: f32,
+}
+
+impl Circle {
+    fn of(view: &View) -> Self {
+        let i = view.camera.intrinsics();
+        let (sin, cos) = libm::sincosf(FIELD);
+        let rim = view.camera.project(&Bearing::new(sin, 0.0, cos));
+        let radius = rim.map_or(f32::INFINITY, |p| (p.x - i.cx - RIM_PX) / i.fx);
+        Self { centre: [i.cx, i.cy], focal: [i.fx, i.fy], radius }
+    }
+
+    /// The columns of a row that lie inside: the first, and the one after the last.
+    fn columns(&self, y: f32, width: u16) -> [u16; 2] {
+        let ([cx, cy], [fx, fy]) = (self.centre, self.focal);
+        let v = (y - cy) / fy;
+        let room = self.radius * self.radius - v * v;
+        let contains = |x: u16| {
+            let u = (f32::from(x) - cx) / fx;
+            u * u + v * v < self.radius * self.radius
+        };
+        if self.radius.is_infinite() {
+            return [0, width];
+        }
+        if room <= 0.0 {
+            return [0; 2];
+        }
+        // The root finds the border to a pixel; which of the pixels there belong to it the circle itself tells.
+        let reach = libm::sqrtf(room) * fx;
+        let near = |x: f32| (x.max(0.0) as u16).min(width);
+        let first = near(cx - reach - 1.0);
+        let end = near(cx + reach + 3.0);
+        let start = (first..end).take(4).find(|x| contains(*x)).unwrap_or(end);
+        let last = (start..end).rev().take(6).find(|x| contains(*x));
+        last.map_or([0; 2], |last| [start, last + 1])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::raster::BitMask;
+    use crate::vision::camera::{Camera, Equidistant, Intrinsics};
+    use std::vec;
+
+    #[test]
+    fn bits_are_those_of_the_circle() {
+        for (focal, width, height, cx) in
+            [(20.0, 100_u16, 90_u16, 47.3), (31.7, 64, 70, 30.0), (11.0, 77, 64, 2.0)]
+        {
+            let lens = Equidistant::new(Intrinsics { fx: focal, fy: focal * 1.01, cx, cy: 41.6 }).unwrap();
+            let view = View::new(Camera::Equidistant(lens), width, height);
+            let mut bits = vec![0xa5; BitMask::row_bytes(width.into()) * usize::from(height)];
+            fill_mask(&view, &mut bits);
+            let mask = BitMask::new(&bits, width.into(), height.into()).unwrap();
+            let circle = Circle::of(&view);
+            let mut inside = 0;
+            for (x, y) in (0..width).flat_map(|x| (0..height).map(move |y| (x, y))) {
+                let u = (f32::from(x) - circle.centre[0]) / circle.focal[0];
+                let v = (f32::from(y) - circle.centre[1]) / circle.focal[1];
+                let expected = u * u + v * v < circle.radius * circle.radius;
+                assert_eq!(mask.get(x.into(), y.into()), expected, "{x}, {y} of {width} x {height}");
+                inside += usize::from(expected);
+            }
+            assert!(inside > 400, "{inside}");
+        }
+    }
+}
