@@ -6,7 +6,7 @@ use super::{
     search,
 };
 use crate::base::ladder::height_m;
-use crate::base::num::{Metres, Turn};
+use crate::base::num::{Metres, Nats, Turn};
 use crate::base::order;
 use crate::vision::boundary::{BoundaryEvidence, MAX_CEILINGS, RangeLikelihoods};
 use crate::vision::windows::WindowEvidence;
@@ -111,17 +111,17 @@ impl Fix {
     /// (`docs/design.md`). The score itself says little: bins next to each other err together.
     #[must_use]
     pub fn probability(&self) -> f32 {
-        if self.answer.best().is_none_or(|best| best.score <= 0) {
+        if self.answer.best().is_none_or(|best| best.score <= Nats::ZERO) {
             return 0.0;
         }
-        let margin = self.answer.margin().max(0) as f32 / 16.0;
+        let margin = self.answer.margin().max(Nats::ZERO).to_num::<f32>();
         1.0 / (1.0 + libm::expf(CERTAINTY[0] - CERTAINTY[1] * libm::log1pf(margin)))
     }
 
     /// Whether the answer leads by so much that no other height of the ceiling was tried.
     #[must_use]
     pub fn is_sure(&self) -> bool {
-        self.answer.margin() >= 16 * SURE_NATS
+        self.answer.margin() >= Nats::from_num(SURE_NATS)
     }
 }
 

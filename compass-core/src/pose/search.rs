@@ -1,7 +1,7 @@
 //! All candidates of all layers at all headings, and the best of them that lie apart.
 
 use super::rows::Rows;
-use crate::base::num::{BINS, Metres, Point, Turn};
+use crate::base::num::{BINS, Metres, Nats, Point, Turn};
 use crate::base::order;
 use crate::map::plan::Plan;
 use crate::map::site_map::{PACKED_SCAN_BYTES, SiteMap};
@@ -9,8 +9,8 @@ use core::cmp::Reverse;
 
 /// A candidate's second heading is at least this many degrees from its best.
 const SECOND_DEGREES: usize = 20;
-/// What a rough score may be too low by, in 1/16 nat.
-const SLACK: i32 = 16 * 30;
+/// What a rough score may be too low by.
+const SLACK: Nats = Nats::lit("30");
 /// Modes of a layer are at least this far apart...
 const APART: Metres = Metres::from_bits(3 << 30);
 /// ...or this much.
@@ -46,14 +46,15 @@ pub struct ScoredPose {
     pub at: Point,
     /// Direction of bin 0.
     pub heading: Turn,
-    /// Log-likelihood ratio against "nothing known" in 1/16 nat, of 360 bins.
-    pub score: i32,
+    /// Log-likelihood ratio against "nothing known", of 360 bins.
+    #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
+    pub score: Nats,
 }
 
 impl ScoredPose {
     /// A place-holder below every score.
     pub const NONE: Self =
-        Self { layer: 0, at: Point::new(Metres::ZERO, Metres::ZERO), heading: Turn::ZERO, score: i32::MIN };
+        Self { layer: 0, at: Point::new(Metres::ZERO, Metres::ZERO), heading: Turn::ZERO, score: Nats::MIN };
 
     /// Higher score first; equal ones by layer, row, column and heading.
     pub(crate) fn order(&self) -> impl Ord + use<> {
@@ -138,7 +139,7 @@ struct Pool<'a> {
 
 impl Pool<'_> {
     /// Whether an offer of this score could be kept.
-    fn is_worth(&self, score: i32) -> bool {
+    fn is_worth(&self, score: Nats) -> bool {
         self.used < self.slots.len() || self.slots.first().is_some_and(|worst| score >= worst.score)
     }
 

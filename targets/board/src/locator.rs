@@ -6,7 +6,7 @@ use compass_core::vision::boundary::{BoundaryEvidence, BoundaryFinder};
 use compass_core::vision::camera::{Rig, View};
 use compass_core::pose::{ScoredPose, FloorLayer};
 use compass_core::pose::locate::{self, Effort, Fix, HeightPrior, Work};
-use compass_core::base::num::{BINS, Metres, Point, Turn};
+use compass_core::base::num::{BINS, Metres, Nats, Point, Turn};
 use compass_core::base::raster::GrayImage;
 use compass_core::vision::segments::{Segment, detect};
 use compass_core::map::site::Site;
@@ -25,7 +25,7 @@ const POOL: usize = 64;
 const COARSE_TOLERANCE_DEG: f32 = 3.0;
 /// A mode of which every byte is zero, so that a static [`Locator`] takes no flash.
 const BLANK: ScoredPose =
-    ScoredPose { layer: 0, at: Point::new(Metres::ZERO, Metres::ZERO), heading: Turn::ZERO, score: 0 };
+    ScoredPose { layer: 0, at: Point::new(Metres::ZERO, Metres::ZERO), heading: Turn::ZERO, score: Nats::ZERO };
 
 /// What one camera saw.
 #[derive(Debug, Clone, Copy)]

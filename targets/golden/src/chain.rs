@@ -95,7 +95,7 @@ impl fmt::Display for Found {
         match self.fix.answer.best() {
             Some(best) => {
                 let height = self.height_m.unwrap_or_else(|| self.fix.height_m());
-                let margin = self.fix.answer.margin() as f32 / 16.0;
+                let margin = self.fix.answer.margin().to_num::<f32>();
                 let probability = self.fix.probability();
                 write!(f, "pose {} layer {} camera {height:.2} m", Pose(best), best.layer)?;
                 writeln!(f, " margin {margin:.1} nats probability {probability:.2}")?;
@@ -127,6 +127,7 @@ struct Bits<'a>(&'a ScoredPose);
 impl fmt::Display for Bits<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let ScoredPose { at, heading, score, .. } = self.0;
+        let score = score.to_bits();
         write!(f, "{:016x} {:016x} {:08x} {score}", at.x.to_bits(), at.y.to_bits(), heading.to_bits())
     }
 }

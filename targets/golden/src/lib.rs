@@ -311,11 +311,11 @@ fn sight_words(eyes: &Eyes) -> impl Iterator<Item = u32> + '_ {
     eyes.sighting().into_iter().flat_map(|(windows, sighting)| {
         let windows = windows.iter().flat_map(|w| {
             let [[left, right], [top, bottom]] = [w.columns, w.rows].map(|pair| pair.map(u32::from));
-            [left, right, top, bottom, w.score as u32, w.camera.into()]
+            [left, right, top, bottom, w.score.to_bits() as u32, w.camera.into()]
         });
         let bins = sighting.hit.iter().zip(sighting.confidence.sixteenths()).zip(&sighting.evidence);
         windows.chain(bins.flat_map(|((hit, confidence), evidence)| {
-            [*hit as u32, u32::from(*confidence), *evidence as u32]
+            [*hit as u32, u32::from(*confidence), evidence.to_bits() as u32]
         }))
     })
 }
@@ -517,7 +517,7 @@ fn estimate_words(estimate: Option<&Estimate>) -> impl Iterator<Item = u32> + '_
 
 fn mode_words(mode: &ScoredPose) -> [u32; 6] {
     let [x, y] = [mode.at.x, mode.at.y].map(Metres::to_bits);
-    [x as u32, (x >> 32) as u32, y as u32, (y >> 32) as u32, mode.heading.to_bits(), mode.score as u32]
+    [x as u32, (x >> 32) as u32, y as u32, (y >> 32) as u32, mode.heading.to_bits(), mode.score.to_bits() as u32]
 }
 
 #[cfg(test)]
