@@ -4,7 +4,7 @@
 //! building. `cargo bench -p compass-host`.
 
 use compass_core::base::confidence::Confidence;
-use compass_core::base::num::Turn;
+use compass_core::base::num::{Nats, Turn};
 use compass_core::base::scan::Scan;
 use compass_core::descriptor::Descriptor;
 use compass_core::descriptor::matching::{Board, Exact, Group, Index, Match, exhaustive, shortlist};
@@ -181,7 +181,7 @@ fn evidence(scan: &Scan) -> Box<EvidenceTable> {
     for (bin, (&steps, &hit)) in scan.steps.iter().zip(&scan.hit).enumerate() {
         let seen = plane_of(steps, hit);
         for plane in 0..PLANES as u8 {
-            table.set(plane, bin, (40 - 12 * i32::from(plane.abs_diff(seen))).max(-16));
+            table.set(plane, bin, Nats::from_bits((40 - 12 * i32::from(plane.abs_diff(seen))).max(-16)));
         }
     }
     table

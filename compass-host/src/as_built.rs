@@ -5,6 +5,7 @@
 
 use crate::output::{Decimal, write_file};
 use anyhow::Result;
+use compass_core::base::num::Nats;
 use compass_core::base::scan::{STEPS_PER_METRE, Scan};
 use compass_core::map::plan::Plan;
 use compass_core::pose::ScoredPose;
@@ -97,19 +98,19 @@ impl Walls {
         let at: [f64; 2] = [pose.at.x.to_num(), pose.at.y.to_num()];
         self.seen_from.push(at);
         let heading = f64::from(pose.heading.to_microdegrees()) / 1e6;
-        let mut seen: BTreeMap<[i32; 2], [i32; 2]> = BTreeMap::new();
+        let mut seen: BTreeMap<[i32; 2], (Nats, i32)> = BTreeMap::new();
         for ((bin, steps), verdict) in scan.steps.iter().enumerate().zip(compare(table, &scan)) {
             let range = f64::from(*steps) / f64::from(STEPS_PER_METRE);
             if verdict != 0 && range <= FARTHEST_M {
                 let (sin, cos) = libm::sincos((heading + bin as f64).to_radians());
                 let tile = [at[0] + range * cos, at[1] + range * sin].map(|m| (m / TILE_M).floor() as i32);
-                let [sum, count] = seen.entry(tile).or_default();
-                (*sum, *count) = (*sum + i32::from(verdict), *count + 1);
+                let (sum, count) = seen.entry(tile).or_default();
+                (*sum, *count) = (*sum + Nats::from(verdict), *count + 1);
             }
         }
-        for (key, [sum, count]) in seen {
+        for (key, (sum, count)) in seen {
             let tile = self.tiles.entry(key).or_default();
-            tile.nats += f64::from(sum) / f64::from(count) / 16.0;
+            tile.nats += f64::from(sum) / f64::from(count);
             tile.frames += 1;
         }
     }

@@ -7,11 +7,22 @@
 //! | [`Unit`] | I2F30 | [-2, 2), +-1 exact | 9.3e-10 |
 //! | [`Score`] | I2F30 | [-2, 2), +-1 exact | 9.3e-10 |
 //! | [`Turn`] | whole turn = 2^32 | wraps | 8.4e-8 degrees |
+//! | [`Nats`] | I28F4 | +-1.3e8 nat | 1/16 nat |
+//! | [`BinNats`] | I12F4 | [-2048, 2048) nat | 1/16 nat |
+//! | [`CellNats`] | I4F4 | [-8, 8) nat | 1/16 nat |
+//! | [`SupportNats`] | U4F4 | [0, 16) nat | 1/16 nat |
+//! | [`EdgeNats`] | U3F5 | [0, 8) nat | 1/32 nat |
+//! | [`LogOdds`] | I8F8 | [-128, 128) nat | 1/256 nat |
+//! | [`LogWeight`] | I24F8 | +-8.4e6 nat | 1/256 nat |
+//! | [`CastNats`] | I20F12 | +-5.2e5 nat | 1/4096 nat |
+//!
+//! One natural logarithm has several types because its scale follows from what is summed: cells of a table are bytes,
+//! a pose sums 360 of them, casts interpolate between cells.
 //!
 //! Ranges are counted in march steps of 0.02 m ([`crate::base::scan`]): no rounding at all.
 
 use core::ops::{Add, Neg, Sub};
-use fixed::types::{I2F14, I2F30, I32F32};
+use fixed::types::{I2F14, I2F30, I4F4, I8F8, I12F4, I20F12, I24F8, I28F4, I32F32, U3F5, U4F4};
 
 /// Bins of a scan or a descriptor channel: one per degree, counter-clockwise from the heading.
 pub const BINS: usize = 360;
@@ -27,6 +38,61 @@ pub type Unit = I2F30;
 
 /// A cosine similarity in [-1, 1].
 pub type Score = I2F30;
+
+/// A log-likelihood ratio summed over directions: the score of a pose, or the margin between two.
+pub type Nats = I28F4;
+
+/// A log-likelihood ratio of one direction.
+pub type BinNats = I12F4;
+
+/// A log-likelihood ratio of one cell: a direction at one rung of range and with one hit type.
+pub type CellNats = I4F4;
+
+/// Evidence of a boundary in one cell, never negative. Arrays of it are kept as bytes, the bits of this type.
+pub type SupportNats = U4F4;
+
+/// The logarithm of an edge's strength. Arrays of it are kept as bytes, the bits of this type.
+pub type EdgeNats = U3F5;
+
+/// Log odds of a window: of a box, or of the direction it lies in.
+pub type LogOdds = I8F8;
+
+/// A sum of [`LogOdds`], or the logarithm of a probability.
+pub type LogWeight = I24F8;
+
+/// A log-likelihood ratio from cells interpolated between rungs, summed over the rays cast.
+pub type CastNats = I20F12;
+
+/// A sum of log odds as log odds, saturated.
+#[inline(always)]
+pub(crate) fn log_odds(sum: LogWeight) -> LogOdds {
+    LogOdds::from_bits(sum.to_bits().clamp(i16::MIN.into(), i16::MAX.into()) as i16)
+}
+
+/// Conversion to `f32`, rounded to the nearest: one conversion and one product, where `to_num` of `fixed` takes dozens
+/// of instructions.
+pub(crate) trait ToFloat {
+    /// The value.
+    fn to_float(self) -> f32;
+}
+
+impl ToFloat for CellNats {
+    fn to_float(self) -> f32 {
+        f32::from(self.to_bits()) / f32::from(Self::ONE.to_bits())
+    }
+}
+
+impl ToFloat for LogOdds {
+    fn to_float(self) -> f32 {
+        f32::from(self.to_bits()) / f32::from(Self::ONE.to_bits())
+    }
+}
+
+impl ToFloat for LogWeight {
+    fn to_float(self) -> f32 {
+        self.to_bits() as f32 / Self::ONE.to_bits() as f32
+    }
+}
 
 /// A point of the map in metres: x right, y up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

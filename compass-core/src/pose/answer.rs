@@ -1,7 +1,7 @@
 //! The best poses that lie apart.
 
 use super::search::{FloorLayer, ScoredPose};
-use crate::base::num::{Metres, Turn};
+use crate::base::num::{Metres, Nats, Turn};
 use crate::base::order;
 use crate::base::pose::MAX_ALTERNATIVES;
 
@@ -35,15 +35,15 @@ impl Answer {
     }
 
     /// The best score; below all others without a pose.
-    pub(crate) fn score(&self) -> i32 {
-        self.best().map_or(i32::MIN, |mode| mode.score)
+    pub(crate) fn score(&self) -> Nats {
+        self.best().map_or(Nats::MIN, |mode| mode.score)
     }
 
-    /// By how much the best score exceeds the best one elsewhere, in 1/16 nat; the best score itself,
-    /// which is relative to "nothing known", when there is no other.
+    /// By how much the best score exceeds the best one elsewhere; the best score itself, which is relative to "nothing
+    /// known", when there is no other.
     #[must_use]
-    pub fn margin(&self) -> i32 {
-        let score = |at: usize| self.modes.get(at).map_or(0, |mode| mode.score);
+    pub fn margin(&self) -> Nats {
+        let score = |at: usize| self.modes.get(at).map_or(Nats::ZERO, |mode| mode.score);
         score(0).saturating_sub(score(1))
     }
 }
@@ -55,7 +55,7 @@ pub fn answer(layers: &[FloorLayer<'_>], modes: &mut [ScoredPose]) -> Answer {
     let floor = |mode: &ScoredPose| layers.get(usize::from(mode.layer)).map(|layer| layer.floor);
     order::sort_by_key(modes, ScoredPose::order);
     let mut kept: heapless::Vec<ScoredPose, MAX_ALTERNATIVES> = heapless::Vec::new();
-    for mode in modes.iter().filter(|mode| floor(mode).is_some() && mode.score > i32::MIN) {
+    for mode in modes.iter().filter(|mode| floor(mode).is_some() && mode.score > Nats::MIN) {
         let is_near =
             |other: &ScoredPose| floor(other) == floor(mode) && mode.is_near(other, APART, APART_TURN);
         if !kept.iter().any(is_near) && kept.push(*mode).is_err() {

@@ -1,7 +1,7 @@
 //! What was seen, as log-likelihood ratios of what the plan could have there.
 
 use crate::base::ladder::{FRACTION_BITS, RANGES, position_of};
-use crate::base::num::BINS;
+use crate::base::num::{BINS, CastNats, CellNats, LogOdds, Nats, ToFloat as _};
 use crate::base::scan::Hit;
 use crate::vision::boundary::RangeLikelihoods;
 use crate::vision::windows::WindowEvidence;
@@ -11,55 +11,55 @@ use bytemuck::{Pod, Zeroable};
 pub const PLANES: usize = 2 * RANGES + 1;
 /// The plane of "nothing within 30 m".
 pub const OPEN_PLANE: u8 = 2 * RANGES as u8;
-/// Largest magnitude of a value: 5.5 nat. 360 of them fit 16 bits.
-pub const LIMIT: i8 = 88;
+/// Largest magnitude of a value. The bits of 360 of them fit 16 bits.
+pub const LIMIT: CellNats = CellNats::lit("5.5");
 
-/// Log-likelihood ratios against "nothing known", in 1/16 nat: 52,200 bytes.
+/// Log-likelihood ratios against "nothing known": 52,200 bytes.
 ///
 /// Bin j looks along heading + j degrees, counter-clockwise. A column of zeros is a direction of which
 /// nothing is known: it neither helps nor hurts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
 #[repr(transparent)]
 pub struct EvidenceTable {
-    values: [[i8; BINS]; PLANES],
+    values: [[CellNats; BINS]; PLANES],
 }
 
 impl EvidenceTable {
     /// Nothing known anywhere.
-    pub const EMPTY: Self = Self { values: [[0; BINS]; PLANES] };
+    pub const EMPTY: Self = Self { values: [[CellNats::ZERO; BINS]; PLANES] };
 
     /// All directions of one plane; `None` from [`PLANES`] on.
     #[must_use]
-    pub fn plane(&self, plane: u8) -> Option<&[i8; BINS]> {
+    pub fn plane(&self, plane: u8) -> Option<&[CellNats; BINS]> {
         self.values.get(usize::from(plane))
     }
 
     /// One value; 0 outside the table.
     #[must_use]
-    pub fn get(&self, plane: u8, bin: usize) -> i8 {
-        self.plane(plane).and_then(|row| row.get(bin)).copied().unwrap_or(0)
+    pub fn get(&self, plane: u8, bin: usize) -> CellNats {
+        self.plane(plane).and_then(|row| row.get(bin)).copied().unwrap_or(CellNats::ZERO)
     }
 
     /// Writes one value, clipped to +-[`LIMIT`]; outside the table nothing happens.
-    pub fn set(&mut self, plane: u8, bin: usize, value: i32) {
+    pub fn set(&mut self, plane: u8, bin: usize, value: Nats) {
         if let Some(slot) = self.values.get_mut(usize::from(plane)).and_then(|row| row.get_mut(bin)) {
-            *slot = value.clamp(-i32::from(LIMIT), i32::from(LIMIT)) as i8;
+            *slot = clipped(value);
         }
     }
 
     /// Writes one plane, clipped to +-[`LIMIT`]; outside the table nothing happens.
-    pub fn set_plane(&mut self, plane: u8, values: &[i32; BINS]) {
+    pub fn set_plane(&mut self, plane: u8, values: &[Nats; BINS]) {
         let Some(row) = self.values.get_mut(usize::from(plane)) else { return };
         for (slot, value) in row.iter_mut().zip(values) {
-            *slot = (*value).clamp(-i32::from(LIMIT), i32::from(LIMIT)) as i8;
+            *slot = clipped(*value);
         }
     }
 
-    /// The value in a direction at a range between two rungs, linear in the logarithm of the range, in
-    /// 1/4096 nat. Ranges below rung 0 count as rung 0.
+    /// The value in a direction at a range between two rungs, linear in the logarithm of the range. Ranges below rung 0
+    /// count as rung 0.
     #[must_use]
-    pub fn at(&self, steps: u16, hit: Hit, bin: usize) -> i32 {
-        self.between(steps, hit).at(bin)
+    pub fn at(&self, steps: u16, hit: Hit, bin: usize) -> CastNats {
+        CastNats::from_bits(self.between(steps, hit).at(bin))
     }
 
     /// The two rows around a range.
@@ -71,7 +71,7 @@ impl EvidenceTable {
             Hit::Window => (RANGES + rung, 2 * RANGES - 1),
             Hit::Open => (2 * RANGES, 2 * RANGES),
         };
-        let row = |plane: usize| self.values.get(plane.min(last)).unwrap_or(&[0; BINS]);
+        let row = |plane: usize| self.values.get(plane.min(last)).unwrap_or(&[CellNats::ZERO; BINS]);
         Between {
             rows: [row(first), row(first + 1)],
             fraction: i32::from(position & ((1 << FRACTION_BITS) - 1)),
@@ -85,28 +85,34 @@ impl Default for EvidenceTable {
     }
 }
 
-/// Two neighbouring rows of a table and where between them a range lies.
+/// A value clipped to +-[`LIMIT`].
+fn clipped(value: Nats) -> CellNats {
+    CellNats::from_bits(value.clamp(-Nats::from(LIMIT), Nats::from(LIMIT)).to_bits() as i8)
+}
+
+/// Two neighbouring rows of a table and where between them a range lies. Values and sums are the bits of [`CastNats`].
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Between<'a> {
-    rows: [&'a [i8; BINS]; 2],
+    rows: [&'a [CellNats; BINS]; 2],
     /// In 1/256 of the way to the second.
     fraction: i32,
 }
 
 impl Between<'_> {
-    /// The value in a direction, 1/4096 nat; 0 in none.
+    /// The value in a direction; 0 in none.
     #[inline]
     pub(super) fn at(&self, bin: usize) -> i32 {
-        let [near, far] = self.rows.map(|row| row.get(bin).copied().unwrap_or(0));
+        let [near, far] = self.rows.map(|row| row.get(bin).copied().unwrap_or(CellNats::ZERO));
         self.mix(near, far)
     }
 
-    /// Adds the values in the directions around a bin, 1/4096 nat, the farthest to the left first.
+    /// Adds the values in the directions around a bin, the farthest to the left first.
     #[inline]
     pub(super) fn add_around<const DIRECTIONS: usize>(&self, bin: usize, sums: &mut [i32; DIRECTIONS]) {
         let right = bin.wrapping_sub(DIRECTIONS / 2);
-        let part =
-            |row: &[i8; BINS]| row.get(right..).and_then(|row| row.first_chunk::<DIRECTIONS>()).copied();
+        let part = |row: &[CellNats; BINS]| {
+            row.get(right..).and_then(|row| row.first_chunk::<DIRECTIONS>()).copied()
+        };
         if let [Some(near), Some(far)] = self.rows.map(part) {
             for (sum, (near, far)) in sums.iter_mut().zip(near.iter().zip(&far).rev()) {
                 *sum += self.mix(*near, *far);
@@ -120,8 +126,8 @@ impl Between<'_> {
         }
     }
 
-    fn mix(&self, near: i8, far: i8) -> i32 {
-        let (near, far) = (i32::from(near), i32::from(far));
+    fn mix(&self, near: CellNats, far: CellNats) -> i32 {
+        let (near, far) = (i32::from(near.to_bits()), i32::from(far.to_bits()));
         (near << FRACTION_BITS) + (far - near) * self.fraction
     }
 }
@@ -147,8 +153,8 @@ const WEIGHT: f32 = 0.7;
 /// Fills a table with the likelihoods of ranges and hit types, for a camera height in
 /// [rungs](crate::base::ladder::height_rungs).
 pub fn weigh(ranges: &RangeLikelihoods, height: i8, sighting: &WindowEvidence, table: &mut EvidenceTable) {
-    let mut window = [0_i32; BINS];
-    let mut wall = [0_i32; BINS];
+    let mut window = [Nats::ZERO; BINS];
+    let mut wall = [Nats::ZERO; BINS];
     let known = sighting.confidence.sixteenths();
     for (((window, wall), odds), known) in window.iter_mut().zip(&mut wall).zip(&sighting.evidence).zip(known)
     {
@@ -156,24 +162,29 @@ pub fn weigh(ranges: &RangeLikelihoods, height: i8, sighting: &WindowEvidence, t
             [*window, *wall] = hit_ratios(*odds);
         }
     }
-    let mut row = [0_i32; BINS];
+    let mut row = [Nats::ZERO; BINS];
     for rung in 0..RANGES {
         let range = ranges.row(rung, height);
         for (plane, hit) in [(rung, &wall), (RANGES + rung, &window)] {
-            row.iter_mut().zip(range).zip(hit).for_each(|((sum, range), hit)| *sum = i32::from(*range) + hit);
+            row.iter_mut()
+                .zip(range)
+                .zip(hit)
+                .for_each(|((sum, range), hit)| *sum = Nats::from(*range) + hit);
             table.set_plane(plane as u8, &row);
         }
     }
-    row.iter_mut().zip(ranges.row(RANGES - 1, height)).for_each(|(value, range)| *value = i32::from(*range));
+    row.iter_mut().zip(ranges.row(RANGES - 1, height)).for_each(|(value, range)| *value = Nats::from(*range));
     table.set_plane(OPEN_PLANE, &row);
 }
 
-/// Log-likelihood ratios of a window and of a wall in the plan, 1/16 nat, from the log odds of a window, 1/256 nat.
-fn hit_ratios(odds: i16) -> [i32; 2] {
-    let window = 1.0 / (1.0 + libm::expf(-f32::from(odds) / 256.0));
+/// Log-likelihood ratios of a window and of a wall in the plan, from the log odds of a window.
+fn hit_ratios(odds: LogOdds) -> [Nats; 2] {
+    let window = 1.0 / (1.0 + libm::expf(-odds.to_float()));
+    /// Bits of one nat.
+    const NAT: f32 = Nats::ONE.to_bits() as f32;
     let ratio = |share: f32, usual: f32| {
         let ratio = (1.0 - OUTLIERS) * share / usual + OUTLIERS;
-        libm::roundf(16.0 * WEIGHT * libm::logf(ratio)) as i32
+        Nats::from_bits(libm::roundf(NAT * WEIGHT * libm::logf(ratio)) as i32)
     };
     [ratio(window, WINDOWS), ratio(1.0 - window, 1.0 - WINDOWS)]
 }
@@ -210,34 +221,34 @@ mod tests {
     fn between_rungs_values_are_linear() {
         let mut table = EvidenceTable::EMPTY;
         for rung in 0..RANGES as u8 {
-            table.set(rung, 7, i32::from(rung));
-            table.set(RANGES as u8 + rung, 7, -i32::from(rung));
+            table.set(rung, 7, Nats::from_bits(rung.into()));
+            table.set(RANGES as u8 + rung, 7, -Nats::from_bits(rung.into()));
         }
-        table.set(OPEN_PLANE, 7, 50);
+        table.set(OPEN_PLANE, 7, Nats::from_bits(50));
         for steps in 1..=MAX_STEPS {
             let expected = exact(f64::from(steps.max(20)) * 0.02);
-            let got = f64::from(table.at(steps, Hit::Wall, 7)) / 256.0;
+            let got = table.at(steps, Hit::Wall, 7).to_num::<f64>() * 16.0;
             assert!((got - expected).abs() < 0.0021, "{steps} steps: {got}, not {expected}");
             assert_eq!(table.at(steps, Hit::Window, 7), -table.at(steps, Hit::Wall, 7));
-            assert_eq!(table.at(steps, Hit::Open, 7), 50 * 256);
-            assert_eq!(table.at(steps, Hit::Wall, 8), 0);
+            assert_eq!(table.at(steps, Hit::Open, 7), CastNats::from_num(50) / 16);
+            assert_eq!(table.at(steps, Hit::Wall, 8), CastNats::ZERO);
         }
-        assert_eq!(table.at(100, Hit::Wall, BINS), 0);
+        assert_eq!(table.at(100, Hit::Wall, BINS), CastNats::ZERO);
     }
 
     #[test]
     fn values_are_clipped_and_outside_is_harmless() {
         let mut table = EvidenceTable::EMPTY;
-        table.set(3, 4, 1000);
-        table.set(3, 5, -1000);
-        table.set(PLANES as u8, 0, 5);
-        table.set(0, BINS, 5);
-        (0..PLANES as u8).for_each(|plane| table.set(plane, BINS, 5));
-        assert_eq!((table.get(3, 4), table.get(3, 5), table.get(255, 0)), (LIMIT, -LIMIT, 0));
-        table.set(3, 4, 0);
-        table.set(3, 5, 0);
+        table.set(3, 4, Nats::from_bits(1000));
+        table.set(3, 5, Nats::from_bits(-1000));
+        table.set(PLANES as u8, 0, Nats::from_bits(5));
+        table.set(0, BINS, Nats::from_bits(5));
+        (0..PLANES as u8).for_each(|plane| table.set(plane, BINS, Nats::from_bits(5)));
+        assert_eq!((table.get(3, 4), table.get(3, 5), table.get(255, 0)), (LIMIT, -LIMIT, CellNats::ZERO));
+        table.set(3, 4, Nats::ZERO);
+        table.set(3, 5, Nats::ZERO);
         assert_eq!(table, EvidenceTable::EMPTY);
-        let value = |plane: u8| plane as i8;
+        let value = |plane: u8| CellNats::from_bits(plane as i8);
         (0..PLANES as u8).for_each(|plane| table.set(plane, 9, value(plane).into()));
         for plane in 0..PLANES as u8 {
             assert_eq!(table.get(plane, 9), value(plane).clamp(-LIMIT, LIMIT));

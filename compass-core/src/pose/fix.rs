@@ -2,10 +2,11 @@
 
 use super::heights::{HeightPrior, Heights};
 use super::{Answer, FloorLayer, ScoredPose};
+use crate::base::num::Nats;
 use crate::base::pose::Pose;
 
-/// An answer that leads by this many nats needs no second search, with another ceiling.
-pub const SURE_NATS: i32 = 150;
+/// An answer that leads by as much needs no second search, with another ceiling.
+pub const SURE: Nats = Nats::lit("150");
 
 /// Log odds against an answer whose margin is 0, and what they lose per unit of ln(1 + margin in nats).
 const CERTAINTY: [f32; 2] = [14.02, 3.26];
@@ -71,24 +72,24 @@ impl<'a> Fix<'a> {
     /// (`docs/design.md`). The score itself says little: bins next to each other err together.
     #[must_use]
     pub fn probability(&self) -> f32 {
-        if self.best().is_none_or(|best| best.score <= 0) {
+        if self.best().is_none_or(|best| best.score <= Nats::ZERO) {
             return 0.0;
         }
-        let margin = self.margin().max(0) as f32 / 16.0;
+        let margin = self.margin().max(Nats::ZERO).to_num::<f32>();
         1.0 / (1.0 + libm::expf(CERTAINTY[0] - CERTAINTY[1] * libm::log1pf(margin)))
     }
 
-    /// By how much the best score exceeds the best one elsewhere, in 1/16 nat; the best score itself when there is no
+    /// By how much the best score exceeds the best one elsewhere; the best score itself when there is no
     /// other.
     #[must_use]
-    pub fn margin(&self) -> i32 {
+    pub fn margin(&self) -> Nats {
         self.answer.margin()
     }
 
     /// Whether the pose leads by so much that no other height of the ceiling was tried.
     #[must_use]
     pub fn is_sure(&self) -> bool {
-        self.margin() >= 16 * SURE_NATS
+        self.margin() >= SURE
     }
 
     /// Height of the camera above the floor, metres: that known before, or that found, to 3 %.
@@ -122,7 +123,7 @@ impl<'a> Fix<'a> {
     }
 
     /// The score of the likeliest pose; below all others without one.
-    pub(super) fn score(&self) -> i32 {
+    pub(super) fn score(&self) -> Nats {
         self.answer.score()
     }
 }

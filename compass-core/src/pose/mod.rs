@@ -25,7 +25,7 @@ pub mod wall_check;
 
 pub use answer::{Answer, answer};
 pub use evidence::{EvidenceTable, LIMIT, OPEN_PLANE, PLANES, plane_of};
-pub use fix::{Fix, SURE_NATS};
+pub use fix::{Fix, SURE};
 pub use headings::Headings;
 pub use refine::{MAX_CASTS, refine, refine_coarse, refine_final, refine_fine};
 pub use rows::Rows;

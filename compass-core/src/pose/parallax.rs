@@ -58,8 +58,8 @@ impl View {
         self.heading = heading;
     }
 
-    /// Scores in 1/4096 nat of 360 bins from a step aside, `[x, y]` in the map, at most a metre each, and at some headings
-    /// around that of the view, whole degrees.
+    /// Scores of 360 bins, the bits of [`CastNats`](crate::base::num::CastNats), from a step aside, `[x, y]` in the map, at
+    /// most a metre each, and at some headings around that of the view, whole degrees.
     pub(super) fn scores<const HEADINGS: usize>(
         &self,
         table: &EvidenceTable,
@@ -108,6 +108,7 @@ fn seen([forward, left]: [i32; 2], bin: usize, steps: u16) -> (usize, u16) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::num::Nats;
     use crate::base::scan::MAX_STEPS;
     use crate::pose::plane_of;
     use crate::pose::tests::{Building, point};
@@ -146,7 +147,7 @@ mod tests {
         for (bin, (steps, hit)) in
             layer.plan.rays(at, heading + Turn::from_ratio(3, 360), 1).unwrap().enumerate()
         {
-            table.set(plane_of(steps, hit), bin, 40);
+            table.set(plane_of(steps, hit), bin, Nats::from_bits(40));
         }
         let mut view = View::cast(&layer.plan, at, heading, 4).unwrap();
         let nowhere = [Metres::ZERO; 2];

@@ -10,7 +10,7 @@
 use super::evidence::EvidenceTable;
 use super::parallax::View;
 use super::search::{FloorLayer, ScoredPose};
-use crate::base::num::{BINS, Metres, Point, Turn};
+use crate::base::num::{BINS, CastNats, Metres, Nats, Point, Turn};
 use crate::map::plan::Plan;
 use core::cmp::Reverse;
 
@@ -43,18 +43,18 @@ const DIAGONAL: [Way; 4] = [[1, 1], [-1, 1], [-1, -1], [1, -1]];
 /// Headings beside a narrow pattern's, by units that shrink with it.
 const TURNS: [i32; 2] = [1, -1];
 
-/// A pose and its score in 1/4096 nat of 360 bins.
+/// A pose and its score of 360 bins.
 #[derive(Debug, Clone, Copy)]
 struct Pose {
     at: Point,
     heading: Turn,
-    score: i32,
+    score: CastNats,
 }
 
 impl Pose {
     fn mode(self, layer: u8) -> ScoredPose {
         let Self { at, heading, score } = self;
-        ScoredPose { layer, at, heading, score: (score + (1 << 7)) >> 8 }
+        ScoredPose { layer, at, heading, score: Nats::from_bits((score.to_bits() + (1 << 7)) >> 8) }
     }
 }
 
@@ -155,7 +155,7 @@ type Way = [i8; 2];
 /// A pose and the way that led to it.
 type Move = (Pose, Way);
 
-fn score((pose, _): &Move) -> i32 {
+fn score((pose, _): &Move) -> CastNats {
     pose.score
 }
 
@@ -231,12 +231,12 @@ impl<const HEADINGS: usize> Climb<'_, HEADINGS> {
     }
 }
 
-/// The best of some headings, whole degrees around one; of equal ones the nearest to it.
+/// The best of some headings, whole degrees around one, by the bits of [`CastNats`]; of equal ones the nearest to it.
 fn best<const HEADINGS: usize>(at: Point, heading: Turn, scores: [i32; HEADINGS]) -> Pose {
     let middle = (HEADINGS / 2) as i64;
     let top = (-middle..).zip(scores).max_by_key(|&(degrees, score)| (score, Reverse(degrees.abs())));
     let (degrees, score) = top.unwrap_or((0, i32::MIN));
-    Pose { at, heading: heading + Turn::from_ratio(degrees, BINS as u32), score }
+    Pose { at, heading: heading + Turn::from_ratio(degrees, BINS as u32), score: CastNats::from_bits(score) }
 }
 
 fn aside(way: Way, step: Metres) -> [Metres; 2] {

@@ -8,13 +8,15 @@
 
 use super::evidence::{EvidenceTable, LIMIT, OPEN_PLANE, PLANES, plane_of};
 use crate::base::ladder::RANGES;
-use crate::base::num::BINS;
+#[cfg(doc)]
+use crate::base::num::BinNats;
+use crate::base::num::{BINS, Nats};
 use crate::base::scan::{Hit, Scan};
 use crate::map::site_map::{LADDER, PACKED_SCAN_BYTES};
 use bytemuck::{Pod, Zeroable};
 
 /// The value of "nothing known", counted from -[`LIMIT`].
-const ZERO: u16 = LIMIT.unsigned_abs() as u16;
+const ZERO: u16 = LIMIT.to_bits().unsigned_abs() as u16;
 const _: () = assert!(BINS * 2 * ZERO as usize <= u16::MAX as usize, "sums fit 16 bits");
 /// Up to here running sums around the circle and once more do not wrap.
 const UNWRAPPED: usize = u16::MAX as usize / (4 * ZERO as usize);
@@ -60,9 +62,9 @@ impl<const N: usize> Rows<N> {
         2
     };
 
-    /// A sum of N bins as one of 360.
-    pub(super) const fn of_360(score: i16) -> i32 {
-        score as i32 * Self::STRIDE as i32
+    /// A sum of N bins, the bits of [`BinNats`], as one of 360.
+    pub(super) const fn of_360(score: i16) -> Nats {
+        Nats::from_bits(score as i32 * Self::STRIDE as i32)
     }
 
     /// Takes over a table.
@@ -72,7 +74,7 @@ impl<const N: usize> Rows<N> {
             let mut bins = [0; N];
             for (bin, values) in bins.iter_mut().zip(values.chunks_exact(Self::STRIDE)) {
                 let whole: u16 =
-                    values.iter().map(|&v| i16::from(v).cast_unsigned().wrapping_add(ZERO)).sum();
+                    values.iter().map(|&v| i16::from(v.to_bits()).cast_unsigned().wrapping_add(ZERO)).sum();
                 *bin = (whole + Self::STRIDE as u16 / 2) / Self::STRIDE as u16;
             }
             let mut sum = 0_u16;
@@ -125,7 +127,7 @@ impl<const N: usize> Rows<N> {
         })
     }
 
-    /// Log-likelihood at every heading, in 1/16 nat and of N bins: `out[s]` at heading s 360 / N degrees.
+    /// Log-likelihood at every heading, the bits of [`BinNats`] and of N bins: `out[s]` at heading s 360 / N degrees.
     ///
     /// A plane that does not exist counts as open.
     #[inline]
@@ -133,8 +135,8 @@ impl<const N: usize> Rows<N> {
         *out = self.sums_of(planes).map(Self::of_sum);
     }
 
-    /// About the best of them, for a candidate as a site map stores it, in a tenth of the time: a fourth of its rays or
-    /// fewer stand for those after them as well, and every other heading is tried.
+    /// About the best of them, in the same bits, for a candidate as a site map stores it, in a tenth of the time: a
+    /// fourth of its rays or fewer stand for those after them as well, and every other heading is tried.
     #[must_use]
     #[inline]
     pub fn rough_top(&self, packed: &[u8; PACKED_SCAN_BYTES]) -> i16 {
@@ -268,19 +270,19 @@ mod tests {
                 state ^= state >> 7;
                 state ^= state << 17;
                 // A fifth lies beyond the limit and is clipped to it.
-                table.set(plane, bin, (state % 221) as i32 - 110);
+                table.set(plane, bin, Nats::from_bits((state % 221) as i32 - 110));
             }
         }
         table
     }
 
-    /// The sum over a candidate's rays at a heading, in exact 1/16 nat of all 360 bins.
+    /// The sum over a candidate's rays at a heading, exact, of all 360 bins, in units of [`Nats`].
     fn naive<const N: usize>(table: &EvidenceTable, planes: &[u8; N], heading: usize) -> f64 {
         let stride = BINS / N;
         let mut sum = 0.0;
         for (ray, &plane) in planes.iter().enumerate() {
             let bin = (ray + N - heading) % N * stride;
-            sum += (0..stride).map(|k| f64::from(table.get(plane, bin + k))).sum::<f64>();
+            sum += (0..stride).map(|k| f64::from(table.get(plane, bin + k).to_bits())).sum::<f64>();
         }
         sum
     }
@@ -365,13 +367,13 @@ mod tests {
         for value in [-1000, 1000] {
             let mut table = Box::new(EvidenceTable::EMPTY);
             for (plane, bin) in (0..PLANES as u8).flat_map(|p| (0..BINS).map(move |b| (p, b))) {
-                table.set(plane, bin, value);
+                table.set(plane, bin, Nats::from_bits(value));
             }
             let mut rows = Box::new(Rows::<360>::BLANK);
             rows.set(&table);
             let mut scores = [0; 360];
             rows.scores(&[255; 360], &mut scores);
-            assert_eq!(scores, [value.signum() as i16 * 360 * i16::from(LIMIT); 360]);
+            assert_eq!(scores, [value.signum() as i16 * 360 * i16::from(LIMIT.to_bits()); 360]);
         }
     }
 
@@ -380,7 +382,7 @@ mod tests {
         // A window straight ahead of a robot that looks along 30 degrees.
         let mut table = Box::new(EvidenceTable::EMPTY);
         let mut scan = Scan { steps: [100; BINS], hit: [Hit::Wall; BINS] };
-        table.set(plane_of(100, Hit::Window), 0, 80);
+        table.set(plane_of(100, Hit::Window), 0, Nats::from_bits(80));
         scan.hit[30] = Hit::Window;
         let mut rows = Box::new(Rows::<360>::BLANK);
         rows.set(&table);

@@ -1,7 +1,7 @@
 //! All candidates of all layers at all headings, and the best of them that lie apart.
 
 use super::rows::Rows;
-use crate::base::num::{BINS, Metres, Point, Turn};
+use crate::base::num::{BINS, Metres, Nats, Point, Turn};
 use crate::base::order;
 use crate::map::plan::Plan;
 use crate::map::site_map::{PACKED_SCAN_BYTES, SiteMap};
@@ -10,8 +10,8 @@ use core::cmp::Reverse;
 
 /// A candidate's second heading is at least this many degrees from its best.
 const SECOND_DEGREES: usize = 20;
-/// What a rough score may be too low by, in 1/16 nat.
-const SLACK: i32 = 16 * 30;
+/// What a rough score may be too low by.
+const SLACK: Nats = Nats::lit("30");
 /// Modes of a layer are at least this far apart...
 const APART: Metres = Metres::from_bits(3 << 30);
 /// ...or this much.
@@ -49,14 +49,15 @@ pub struct ScoredPose {
     pub at: Point,
     /// Direction of bin 0.
     pub heading: Turn,
-    /// Log-likelihood ratio against "nothing known" in 1/16 nat, of 360 bins.
-    pub score: i32,
+    /// Log-likelihood ratio against "nothing known", of 360 bins.
+    #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
+    pub score: Nats,
 }
 
 impl ScoredPose {
     /// A place-holder below every score.
     pub const NONE: Self =
-        Self { layer: 0, at: Point::new(Metres::ZERO, Metres::ZERO), heading: Turn::ZERO, score: i32::MIN };
+        Self { layer: 0, at: Point::new(Metres::ZERO, Metres::ZERO), heading: Turn::ZERO, score: Nats::MIN };
 
     /// Higher score first; equal ones by layer, row, column and heading.
     pub(crate) fn order(&self) -> impl Ord + use<> {
@@ -76,7 +77,7 @@ pub const MAX_POOL: usize = 4096;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Pod, Zeroable)]
 #[repr(C)]
 pub struct PoolEntry {
-    score: i32,
+    score: Nats,
     heading: u32,
     /// Column and row of the plan, row from the south.
     cell: [u16; 2],
@@ -85,7 +86,7 @@ pub struct PoolEntry {
 
 impl PoolEntry {
     /// An entry to be overwritten. Every byte is zero.
-    pub const EMPTY: Self = Self { score: 0, heading: 0, cell: [0; 2], layer: 0 };
+    pub const EMPTY: Self = Self { score: Nats::ZERO, heading: 0, cell: [0; 2], layer: 0 };
 
     /// The pose; `None` if the layer does not exist.
     #[must_use]
@@ -183,7 +184,7 @@ struct Pool<'a> {
 
 impl Pool<'_> {
     /// Whether an offer of this score could be kept.
-    fn is_worth(&self, score: i32) -> bool {
+    fn is_worth(&self, score: Nats) -> bool {
         self.used < self.slots.len() || self.slots.first().is_some_and(|worst| score >= worst.score)
     }
 

@@ -1,6 +1,6 @@
 use super::*;
 use crate::base::ladder::RANGES;
-use crate::base::num::{BINS, Metres, Point, Turn};
+use crate::base::num::{BINS, Metres, Nats, Point, Turn};
 use crate::base::raster::BitMask;
 use crate::base::scan::{Hit, MAX_STEPS, Scan};
 use crate::map::plan::{Frame, Plan, pack, packed_len};
@@ -100,7 +100,7 @@ pub(crate) fn evidence(scan: &Scan, random: &mut impl FnMut() -> u32) -> Box<Evi
         for plane in 0..PLANES as u8 {
             let kind = |plane: u8| usize::from(plane) / RANGES;
             let off = if kind(plane) == kind(seen) { plane.abs_diff(seen) } else { 255 };
-            table.set(plane, bin, (40 - 12 * i32::from(off)).max(-16));
+            table.set(plane, bin, Nats::from_bits((40 - 12 * i32::from(off)).max(-16)));
         }
     }
     table
@@ -139,7 +139,7 @@ fn find<const N: usize>(building: &Building, seed: u32) {
         let best = answer.best().unwrap();
         assert!(best.at.within(at, Metres::from_num(0.05)), "{best:?}, not {at:?}");
         assert!(best.heading.distance(heading) < Turn::from_ratio(1, 720), "{best:?}, not {degrees} degrees");
-        assert!(answer.margin() > 0);
+        assert!(answer.margin() > Nats::ZERO);
     }
 }
 
@@ -157,7 +157,7 @@ fn a_pose_off_the_grid_is_found() {
 fn a_mode_in_a_wall_or_outside_stays() {
     let building = Building::new();
     for at in [point(0.05, 0.05), point(-1.0, 3.0), Point::new(Metres::MAX, Metres::MIN)] {
-        let mode = ScoredPose { at, score: 7, ..ScoredPose::NONE };
+        let mode = ScoredPose { at, score: Nats::from_bits(7), ..ScoredPose::NONE };
         assert_eq!(refine(&EvidenceTable::EMPTY, &building.layer(), mode), mode);
     }
 }
@@ -169,7 +169,7 @@ fn nothing_known_says_nothing() {
     rows.set(&EvidenceTable::EMPTY);
     let mut pool = [PoolEntry::EMPTY; 16];
     let used = search(&rows, &[building.layer()], |_, _| true, &mut pool);
-    assert!(used > 0 && poses(&[building.layer()], &pool[..used]).iter().all(|mode| mode.score == 0));
+    assert!(used > 0 && poses(&[building.layer()], &pool[..used]).iter().all(|mode| mode.score == Nats::ZERO));
     assert_eq!(search(&rows, &[building.layer()], |_, _| false, &mut pool), 0);
     assert_eq!(search(&rows, &[building.layer()], |_, _| true, &mut []), 0);
 }
@@ -195,6 +195,7 @@ fn a_small_pool_keeps_the_best() {
     rows.set(&table);
     let mut all = vec![PoolEntry::EMPTY; 2000];
     let used = search(&rows, &[layer, layer], |_, _| true, &mut all);
+    all.truncate(used);
     let all = poses(&[layer; 2], &all);
     assert_eq!(all[0].at, all[1].at, "both layers are kept");
     let mut layers = [layer; 2];

@@ -7,7 +7,7 @@
 
 use super::evidence::{EvidenceTable, OPEN_PLANE, plane_of};
 use crate::base::ladder::RANGES;
-use crate::base::num::BINS;
+use crate::base::num::{BINS, BinNats, CellNats};
 use crate::base::scan::{Hit, Scan};
 
 /// Rungs of range, 6.3 % each, by which what is seen may miss the drawn wall and still be it.
@@ -15,22 +15,21 @@ const HERE: usize = 2;
 /// From so many rungs on it lies before or beyond: 28 %.
 const ELSEWHERE: usize = 4;
 
-/// By how much the evidence prefers the drawn wall to anything beyond it, 1/16 nat: above 0 it stands, below 0 one looks
+/// By how much the evidence prefers the drawn wall to anything beyond it: above 0 it stands, below 0 one looks
 /// through. 0 where the plan has no wall, where nothing is known and where something nearer hides the wall; windows are
 /// looked through in any case.
 ///
 /// `scan` is the plan's at the pose that `table` was seen from.
 #[must_use]
-pub fn compare(table: &EvidenceTable, scan: &Scan) -> [i16; BINS] {
-    let mut verdicts = [0; BINS];
+pub fn compare(table: &EvidenceTable, scan: &Scan) -> [BinNats; BINS] {
+    let mut verdicts = [BinNats::ZERO; BINS];
     let rays = scan.steps.iter().zip(&scan.hit);
     for ((bin, verdict), (steps, hit)) in verdicts.iter_mut().enumerate().zip(rays) {
         if *hit == Hit::Wall {
             let drawn = usize::from(plane_of(*steps, Hit::Wall));
             let before = best(table, bin, 0, drawn.saturating_sub(ELSEWHERE - 1));
             let here = best(table, bin, drawn.saturating_sub(HERE), drawn + HERE + 1);
-            let beyond =
-                best(table, bin, drawn + ELSEWHERE, RANGES).max(i16::from(table.get(OPEN_PLANE, bin)));
+            let beyond = best(table, bin, drawn + ELSEWHERE, RANGES).max(table.get(OPEN_PLANE, bin).into());
             if before <= here.max(beyond) {
                 *verdict = here - beyond;
             }
@@ -40,17 +39,18 @@ pub fn compare(table: &EvidenceTable, scan: &Scan) -> [i16; BINS] {
 }
 
 /// The most that speaks for a wall or a window at one of some rungs.
-fn best(table: &EvidenceTable, bin: usize, from: usize, to: usize) -> i16 {
+fn best(table: &EvidenceTable, bin: usize, from: usize, to: usize) -> BinNats {
     let at = |rung: usize| {
         let [wall, window] = [rung, RANGES + rung].map(|plane| table.get(plane as u8, bin));
-        i16::from(wall.max(window))
+        BinNats::from(wall.max(window))
     };
-    (from..to.min(RANGES)).map(at).max().unwrap_or(i16::from(i8::MIN))
+    (from..to.min(RANGES)).map(at).max().unwrap_or(CellNats::MIN.into())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::num::Nats;
     use std::boxed::Box;
 
     #[test]
@@ -58,17 +58,17 @@ mod tests {
         let mut scan = Scan { steps: [200; BINS], hit: [Hit::Wall; BINS] };
         let drawn = plane_of(200, Hit::Wall);
         let mut table = Box::new(EvidenceTable::EMPTY);
-        table.set(drawn + 1, 0, 50);
-        table.set(drawn + 9, 1, 40);
-        table.set(RANGES as u8 + drawn + 9, 2, 30);
-        table.set(drawn - 9, 3, 60);
-        table.set(drawn + 9, 3, 50);
-        table.set(OPEN_PLANE, 4, 20);
+        table.set(drawn + 1, 0, Nats::from_bits(50));
+        table.set(drawn + 9, 1, Nats::from_bits(40));
+        table.set(RANGES as u8 + drawn + 9, 2, Nats::from_bits(30));
+        table.set(drawn - 9, 3, Nats::from_bits(60));
+        table.set(drawn + 9, 3, Nats::from_bits(50));
+        table.set(OPEN_PLANE, 4, Nats::from_bits(20));
         scan.hit[5] = Hit::Window;
-        table.set(drawn + 9, 5, 40);
+        table.set(drawn + 9, 5, Nats::from_bits(40));
         let verdicts = compare(&table, &scan);
-        assert_eq!(verdicts[..6], [50, -40, -30, 0, -20, 0]);
-        assert_eq!(compare(&table, &Scan::OPEN), [0; BINS], "nothing is drawn");
+        assert_eq!(verdicts[..6], [50, -40, -30, 0, -20, 0].map(BinNats::from_bits));
+        assert_eq!(compare(&table, &Scan::OPEN), [BinNats::ZERO; BINS], "nothing is drawn");
     }
 
     #[test]
@@ -76,7 +76,7 @@ mod tests {
         let table = Box::new(EvidenceTable::EMPTY);
         for steps in [1, 20, 1500] {
             let scan = Scan { steps: [steps; BINS], hit: [Hit::Wall; BINS] };
-            assert_eq!(compare(&table, &scan), [0; BINS], "{steps}");
+            assert_eq!(compare(&table, &scan), [BinNats::ZERO; BINS], "{steps}");
         }
     }
 }

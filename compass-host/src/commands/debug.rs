@@ -164,7 +164,7 @@ impl Found<'_> {
             }
             if usize::from(window.camera) == camera {
                 let highest = outline.iter().copied().reduce(|a, b| if b[1] < a[1] { b } else { a });
-                let note = format!("{:.1}", f64::from(window.score) / 256.0).replace('-', "\u{2212}");
+                let note = format!("{:.1}", f64::from(window.score)).replace('-', "\u{2212}");
                 here.notes.extend(highest.map(|at| (at, note)));
                 here.lines.push(outline);
             } else {

@@ -60,7 +60,7 @@ impl WindowOutput {
                 .map(|b| b.map(|v| Decimal(f64::from(v)))),
             azimuth_deg: degrees(window.azimuth_deg(resolution)),
             elevation_deg: degrees(window.elevation_deg(resolution)),
-            score: Decimal(f64::from(window.score) / 256.0),
+            score: Decimal(f64::from(window.score)),
         }
     }
 }
@@ -176,7 +176,7 @@ impl See {
             camera_height_m: Decimal(f64::from(height.camera_m)),
             camera_height: if height.given { "given" } else { "assumed" },
             ceiling_height_m: Decimal(f64::from(height.ceiling_m)),
-            evidence: decimals(sighting.evidence.iter().map(|e| f64::from(*e) / 256.0)),
+            evidence: decimals(sighting.evidence.iter().map(|e| f64::from(*e))),
             up_in_cam0: decimals([up.x, up.y, up.z].map(f64::from)),
             windows,
             truncated: sighting.truncated,

@@ -9,6 +9,7 @@ use crate::reference::{attitude as reference, boundary as real};
 use crate::simulate::{Renderer, Scene, SceneOptions};
 use anyhow::{Context as _, Result};
 use compass_core::base::ladder::RUNG;
+use compass_core::base::num::SupportNats;
 use compass_core::base::raster::GrayImage;
 use compass_core::vision::attitude::{self, Arc, Parameters, UP_ERROR_DEG, UpHint};
 use compass_core::vision::boundary::{
@@ -100,7 +101,7 @@ impl Differences {
         if let (Some(()), Some(surveyor)) = (drawn, survey(rig, images, level, [&mut edges, &mut support])) {
             surveyor.finish().likeliest(None, &mut ranges);
         }
-        let nats: Vec<_> = support.iter().map(|sixteenths| f64::from(*sixteenths) / 16.0).collect();
+        let nats: Vec<_> = support.iter().map(|cell| f64::from(SupportNats::from_bits(*cell))).collect();
         let exact = real::support(&raw.iter().map(known).collect::<Vec<_>>());
         self.evidence.extend(nats.iter().zip(exact).map(|(core, exact)| (core - exact).abs()));
         let ceiling = (ranges.ceiling_ratio().ln() / RUNG).round() as isize;
@@ -109,7 +110,7 @@ impl Differences {
             // Seen from this height the core's rungs are the reference's.
             let row = ranges.row(rung, LEAD).iter().zip(exact).enumerate();
             let known = row.filter(|(bin, _)| ranges.knows(*bin));
-            self.ratios.extend(known.map(|(_, (core, exact))| (f64::from(*core) / 16.0 - exact).abs()));
+            self.ratios.extend(known.map(|(_, (core, exact))| (f64::from(*core) - exact).abs()));
         }
     }
 

@@ -1,13 +1,13 @@
 //! What was seen in a frame as a gray picture: a column per direction.
 //!
 //! From the top: evidence of edges of the floor and of the ceiling by rung of range, as a [`BoundaryEvidence`] has it; whether
-//! range and hit type are known; the log odds of a window, high byte and low byte, of 2^15 more than they are.
+//! range and hit type are known; the log odds of a window: high byte and low byte of the bits of [`LogOdds`] plus 2^15.
 
 use crate::image_file::{self, Samples};
 use crate::output::write_file;
 use anyhow::{Context as _, Result, bail};
 use compass_core::base::confidence::Confidence;
-use compass_core::base::num::BINS;
+use compass_core::base::num::{BINS, LogOdds};
 use compass_core::base::scan::Hit;
 use compass_core::vision::boundary::{BoundaryEvidence, CELLS};
 use compass_core::vision::windows::WindowEvidence;
@@ -32,7 +32,7 @@ impl Evidence {
     /// Keeps what matching needs.
     #[must_use]
     pub fn new(survey: &BoundaryEvidence<'_>, sighting: &WindowEvidence) -> Self {
-        let odds = sighting.evidence.map(|odds| (i32::from(odds) + MIDDLE) as u16);
+        let odds = sighting.evidence.map(|odds| (i32::from(odds.to_bits()) + MIDDLE) as u16);
         let mut rows = survey.cells().to_vec();
         rows.extend(survey.known().map(u8::from));
         rows.extend(sighting.confidence.sixteenths());
@@ -52,10 +52,11 @@ impl Evidence {
     #[must_use]
     pub fn sighting(&self) -> WindowEvidence {
         let (high, low) = (self.row(2), self.row(3));
-        let evidence =
-            std::array::from_fn(|bin| (i32::from(high[bin]) * 256 + i32::from(low[bin]) - MIDDLE) as i16);
+        let evidence = std::array::from_fn(|bin| {
+            LogOdds::from_bits((i32::from(high[bin]) * 256 + i32::from(low[bin]) - MIDDLE) as i16)
+        });
         WindowEvidence {
-            hit: evidence.map(|odds| if odds > 0 { Hit::Window } else { Hit::Wall }),
+            hit: evidence.map(|odds| if odds > LogOdds::ZERO { Hit::Window } else { Hit::Wall }),
             confidence: Confidence::new(&self.row(1)),
             evidence,
             ..WindowEvidence::NOTHING
@@ -103,9 +104,9 @@ mod tests {
         let cells: Vec<u8> = (0..CELLS).map(|at| (at * at / 7) as u8).collect();
         let known = std::array::from_fn(|bin| bin % 3 > 0);
         let survey = BoundaryEvidence::new(&cells, known).unwrap();
-        let evidence = std::array::from_fn(|bin| bin as i16 * 5 - 1024);
+        let evidence = std::array::from_fn(|bin| LogOdds::from_bits(bin as i16 * 5 - 1024));
         let sighting = WindowEvidence {
-            hit: evidence.map(|odds: i16| if odds > 0 { Hit::Window } else { Hit::Wall }),
+            hit: evidence.map(|odds: LogOdds| if odds > LogOdds::ZERO { Hit::Window } else { Hit::Wall }),
             confidence: Confidence::new(&std::array::from_fn(|bin| (bin % 17) as u8)),
             evidence,
             ..WindowEvidence::NOTHING

@@ -1,14 +1,15 @@
 //! Evidence that the plan itself gives.
 
 use compass_core::base::ladder::RANGES;
+use compass_core::base::num::Nats;
 use compass_core::base::scan::Scan;
 use compass_core::pose::evidence::EvidenceTable;
 use compass_core::pose::{PLANES, plane_of};
 
-/// Of the right plane, of each rung away from it, and at least: 1/16 nat.
-const RIGHT: i32 = 40;
-const PER_RUNG: i32 = 12;
-const WRONG: i32 = -16;
+/// Of the right plane, of each rung away from it, and at least.
+const RIGHT: Nats = Nats::lit("2.5");
+const PER_RUNG: Nats = Nats::lit("0.75");
+const WRONG: Nats = Nats::lit("-1");
 
 /// Writes what an eye would that sees a scan as it is: 2.5 nat for the right hit type at the right rung, less by the
 /// distance in rungs, -1 nat for all else.
@@ -26,6 +27,7 @@ pub fn sharp(scan: &Scan, table: &mut EvidenceTable) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use compass_core::base::num::CellNats;
     use compass_core::base::scan::Hit;
 
     #[test]
@@ -36,6 +38,6 @@ mod tests {
         sharp(&scan, &mut table);
         let best = |bin: usize| (0..PLANES as u8).max_by_key(|&plane| table.get(plane, bin)).unwrap();
         assert_eq!((best(5), best(6)), (plane_of(100, Hit::Window), plane_of(1500, Hit::Open)));
-        assert_eq!(table.get(plane_of(100, Hit::Wall), 5), WRONG as i8);
+        assert_eq!(table.get(plane_of(100, Hit::Wall), 5), CellNats::from_num(WRONG));
     }
 }

@@ -1,7 +1,7 @@
 //! What came of one frame, as a line of JSON.
 
 use crate::up::UpFrom;
-use compass_core::base::num::{Metres, Point, Turn};
+use compass_core::base::num::{Metres, Nats, Point, Turn};
 use compass_core::descriptor::similarity::{Similarity, Weights};
 use compass_core::pose::{Answer, ScoredPose};
 use serde::{Deserialize, Serialize};
@@ -26,7 +26,7 @@ pub struct Found {
     pub y: i64,
     /// Bits of [`Turn`].
     pub heading: u32,
-    /// In 1/16 nat; of a cosine its bits.
+    /// Bits of [`Nats`]; of a cosine its bits.
     pub score: i32,
 }
 
@@ -65,14 +65,21 @@ pub struct Record {
 impl From<&ScoredPose> for Found {
     fn from(mode: &ScoredPose) -> Self {
         let ScoredPose { layer, at, heading, score } = *mode;
-        Self { layer, x: at.x.to_bits(), y: at.y.to_bits(), heading: heading.to_bits(), score }
+        Self {
+            layer,
+            x: at.x.to_bits(),
+            y: at.y.to_bits(),
+            heading: heading.to_bits(),
+            score: score.to_bits(),
+        }
     }
 }
 
 impl From<&Found> for ScoredPose {
     fn from(found: &Found) -> Self {
         let at = Point::new(Metres::from_bits(found.x), Metres::from_bits(found.y));
-        Self { layer: found.layer, at, heading: Turn::from_bits(found.heading), score: found.score }
+        let (heading, score) = (Turn::from_bits(found.heading), Nats::from_bits(found.score));
+        Self { layer: found.layer, at, heading, score }
     }
 }
 
@@ -100,7 +107,7 @@ impl Record {
     /// By how many nats the best pose leads the best one elsewhere.
     #[must_use]
     pub fn margin(&self) -> f64 {
-        let score = |at: usize| self.single.get(at).map_or(0, |found| found.score);
-        f64::from(score(0).saturating_sub(score(1))) / 16.0
+        let score = |at: usize| self.single.get(at).map_or(Nats::ZERO, |found| Nats::from_bits(found.score));
+        score(0).saturating_sub(score(1)).to_num()
     }
 }

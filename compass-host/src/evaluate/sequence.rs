@@ -97,7 +97,7 @@ fn explain(
     let (survey, sighting) = (evidence.survey(), evidence.sighting());
     if !is_sure && !usual.is_like(record.height, record.ceiling) {
         let fix = locator.locate(&survey, usual.room(), &sighting);
-        if f64::from(fix.answer.margin()) / 16.0 > record.margin() {
+        if fix.answer.margin().to_num::<f64>() > record.margin() {
             locator.weigh(&survey, [fix.height, fix.ceiling], &sighting);
             return fix.answer.modes().to_vec();
         }
@@ -129,6 +129,7 @@ pub fn pose(record: &Record, found: &Found) -> Pose {
 mod tests {
     use super::*;
     use crate::site::{point, turn};
+    use compass_core::base::num::Nats;
 
     #[test]
     fn a_pose_has_its_heading_and_its_up() {
@@ -137,7 +138,7 @@ mod tests {
             layer: 0,
             at: point(3.0, -2.0).unwrap(),
             heading: turn(truth.heading_deg()),
-            score: 1,
+            score: Nats::DELTA,
         };
         let up: [f32; 3] = truth.up_in_camera().cast::<f32>().into();
         let record = Record {

@@ -13,7 +13,6 @@ use compass_core::base::confidence::Confidence;
 use compass_core::base::ladder::{NOMINAL_HEIGHT_M, height_rungs};
 use compass_core::base::num::BINS;
 use compass_core::base::scan::Scan;
-use compass_core::pose::ScoredPose;
 use compass_core::pose::locate::HeightPrior;
 use compass_core::vision::boundary::RangeLikelihoods;
 use compass_core::vision::visual_scan;
@@ -159,8 +158,8 @@ impl<'a> Worker<'a> {
                 let Some(at) = layer.map.position(found.candidate as usize) else { continue };
                 let score = found.peak.score_bits;
                 if best.is_none_or(|best| score > best.score) {
-                    *best =
-                        Some(Found::from(&ScoredPose { layer: number, at, heading: found.heading(), score }));
+                    let (x, y, heading) = (at.x.to_bits(), at.y.to_bits(), found.heading().to_bits());
+                    *best = Some(Found { layer: number, x, y, heading, score });
                 }
             }
         }

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use compass_core::base::num::LogOdds;
 use compass_core::base::raster::GrayImage;
 use compass_core::base::scan::Hit;
 use compass_core::vision::panorama::{Resolution, TOP_DEG};
@@ -33,8 +34,8 @@ pub struct RingPicture<'a> {
     pub known: &'a [bool; 360],
 }
 
-/// Boxes below this score are not drawn, nats.
-const LEAST_NATS: i16 = -1;
+/// Boxes below this score are not drawn.
+const LEAST: LogOdds = LogOdds::lit("-1");
 /// Space to the left of the ring for the elevations.
 const BESIDE: f64 = 76.0;
 /// Space above each half, and below the lower.
@@ -96,7 +97,7 @@ fn half_height(resolution: Resolution) -> f64 {
 }
 
 fn is_shown(b: &WindowBox) -> bool {
-    b.score() > 256 * LEAST_NATS
+    b.score() > LEAST
 }
 
 /// 180 degrees of the ring, clockwise from an azimuth.
@@ -151,7 +152,7 @@ impl Half<'_> {
         let mut notes = Notes::new(frame);
         for w in self.data.windows {
             for [left, right] in self.span(w.columns.map(f64::from)).filter(|[l, r]| r - l > 4.0) {
-                let text = format!("{:.1}", f64::from(w.score) / 256.0).replace('-', "\u{2212}");
+                let text = format!("{:.1}", f64::from(w.score)).replace('-', "\u{2212}");
                 let at = [(left + right) / 2.0, self.y_px(f64::from(w.rows[0]))];
                 notes.write(canvas, at, &text)?;
             }

@@ -182,7 +182,7 @@ impl CompassPose {
 impl From<&ScoredPose> for CompassPose {
     fn from(mode: &ScoredPose) -> Self {
         let [x, y] = [mode.at.x, mode.at.y].map(Metres::to_bits);
-        Self { x, y, heading: mode.heading.to_bits(), score: mode.score, layer: mode.layer }
+        Self { x, y, heading: mode.heading.to_bits(), score: mode.score.to_bits(), layer: mode.layer }
     }
 }
 

@@ -114,12 +114,12 @@ fn up_words(vertical: Option<&Vertical>) -> impl Iterator<Item = u32> + '_ {
 fn window_words<'a>(windows: &'a [Window], evidence: &'a WindowEvidence) -> impl Iterator<Item = u32> + 'a {
     let windows = windows.iter().flat_map(|w| {
         let [[left, right], [top, bottom]] = [w.columns, w.rows].map(|pair| pair.map(u32::from));
-        [left, right, top, bottom, w.score as u32, w.camera.into()]
+        [left, right, top, bottom, w.score.to_bits() as u32, w.camera.into()]
     });
     let bins = evidence.hit.iter().zip(evidence.confidence.sixteenths()).zip(&evidence.evidence);
     windows.chain(
         bins.flat_map(|((hit, confidence), evidence)| {
-            [*hit as u32, u32::from(*confidence), *evidence as u32]
+            [*hit as u32, u32::from(*confidence), evidence.to_bits() as u32]
         }),
     )
 }
@@ -145,5 +145,5 @@ fn estimate_words(estimate: Option<&Estimate>) -> impl Iterator<Item = u32> + '_
 
 fn pose_words(pose: &ScoredPose) -> [u32; 6] {
     let [x, y] = [pose.at.x, pose.at.y].map(Metres::to_bits);
-    [x as u32, (x >> 32) as u32, y as u32, (y >> 32) as u32, pose.heading.to_bits(), pose.score as u32]
+    [x as u32, (x >> 32) as u32, y as u32, (y >> 32) as u32, pose.heading.to_bits(), pose.score.to_bits() as u32]
 }

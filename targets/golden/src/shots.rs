@@ -82,7 +82,7 @@ impl fmt::Display for Located<'_> {
         let Self { fix, estimate } = self;
         match fix.best() {
             Some(best) => {
-                let (height, margin) = (fix.camera_height_m(), fix.margin() as f32 / 16.0);
+                let (height, margin) = (fix.camera_height_m(), fix.margin().to_num::<f32>());
                 write!(f, "pose {} layer {} camera {height:.2} m", Pose(best), best.layer)?;
                 writeln!(f, " margin {margin:.1} nats probability {:.2}", fix.probability())?;
                 writeln!(f, "bits {}", Bits(best))?;
@@ -114,6 +114,6 @@ impl fmt::Display for Bits<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let ScoredPose { at, heading, score, .. } = self.0;
         let [x, y] = [at.x, at.y].map(Metres::to_bits);
-        write!(f, "{x:016x} {y:016x} {:08x} {score}", heading.to_bits())
+        write!(f, "{x:016x} {y:016x} {:08x} {}", heading.to_bits(), score.to_bits())
     }
 }

@@ -12,7 +12,7 @@
 //! poses lead right ones by up to 50 nats in single frames, which is then 3. One frame can take no more than a bounded
 //! factor from any pose.
 
-use crate::base::num::{Metres, Point, Turn};
+use crate::base::num::{LogWeight, Metres, Nats, Point, ToFloat as _, Turn};
 use crate::base::order;
 use crate::base::scan::Hit;
 use crate::pose::{EvidenceTable, FloorLayer, ScoredPose, refine};
@@ -22,15 +22,14 @@ use heapless::Vec;
 /// Most hypotheses.
 pub const MAX_HYPOTHESES: usize = 64;
 
-/// Logarithms of probabilities are counted in 1/256 nat. As scores come in 1/16 nat and count to the power of 1/16,
-/// they are such logarithms as they are.
-const NAT: i32 = 256;
+/// Bits of a logarithm of 1 nat.
+const NAT: f32 = LogWeight::ONE.to_bits() as f32;
 /// The share of what no motion explains, for each pose.
-const JUMP: i32 = -9 * NAT;
+const JUMP: LogWeight = LogWeight::lit("-9");
 /// No pose loses more than this against the best of a frame.
-const LOSS: i32 = 4 * NAT;
+const LOSS: LogWeight = LogWeight::lit("4");
 /// Hypotheses this far below the best are dropped: were they right, the share for jumps would bring them back.
-const NEGLIGIBLE: i32 = 10 * NAT;
+const NEGLIGIBLE: LogWeight = LogWeight::lit("10");
 
 /// What is closer than this...
 const TOGETHER: Metres = Metres::from_bits(1 << 31);
@@ -80,8 +79,8 @@ pub struct Estimate {
 #[derive(Debug, Clone, Copy)]
 struct Hypothesis {
     mode: ScoredPose,
-    /// Logarithm of its probability, in 1/[`NAT`].
-    weight: i32,
+    /// Logarithm of its probability.
+    weight: LogWeight,
     /// Metres and radians per second, as the last two frames have it.
     rate: [f32; 3],
 }
@@ -156,7 +155,7 @@ impl Track {
     fn weigh(&mut self) {
         let Some(best) = self.hypotheses.iter().map(|h| h.mode.score).max() else { return };
         for hypothesis in &mut self.hypotheses {
-            hypothesis.weight -= best.saturating_sub(hypothesis.mode.score).min(LOSS);
+            hypothesis.weight -= tempered(best.saturating_sub(hypothesis.mode.score)).min(LOSS);
         }
         order::sort_by_key(&mut self.hypotheses, |h| (core::cmp::Reverse(h.weight), h.mode.order()));
         let Some(top) = self.hypotheses.first().map(|h| h.weight) else { return };
@@ -204,7 +203,7 @@ impl Past<'_> {
     /// A pose with its probability before looking, and the motion that leads there most likely.
     fn reach(&self, mode: ScoredPose) -> Hypothesis {
         if self.bank.is_empty() {
-            return Hypothesis { mode, weight: 0, rate: [0.0; 3] };
+            return Hypothesis { mode, weight: LogWeight::ZERO, rate: [0.0; 3] };
         }
         let widths = self.widths();
         let (mut sum, mut origin) = (exp(JUMP), (exp(JUMP), None));
@@ -213,7 +212,7 @@ impl Past<'_> {
                 continue;
             }
             let passage = self.ahead(hypothesis).map(|ahead| widths.passage(&ahead, &mode)).max();
-            let share = exp(hypothesis.weight.saturating_add(passage.unwrap_or(i32::MIN)));
+            let share = exp(hypothesis.weight.saturating_add(passage.unwrap_or(LogWeight::MIN)));
             sum += share;
             if share > origin.0 {
                 origin = (share, Some(hypothesis));
@@ -250,18 +249,19 @@ impl Past<'_> {
 
 impl Widths {
     /// Logarithm of how likely a motion to one pose ended at another, 0 where it is the same.
-    fn passage(&self, ahead: &ScoredPose, mode: &ScoredPose) -> i32 {
+    fn passage(&self, ahead: &ScoredPose, mode: &ScoredPose) -> LogWeight {
         let [dx, dy] = between(ahead.at, mode.at);
         let turn = turned(ahead.heading, mode.heading) / self.radians;
         let square = (dx * dx + dy * dy) / (self.metres * self.metres) + turn * turn;
         // The conversion saturates.
-        -((square * (NAT / 2) as f32) as i32)
+        -LogWeight::from_bits((square * (NAT / 2.0)) as i32)
     }
 }
 
 /// Adds a pose to a bank. What lies close together is one, the better of both; of a full bank the worst gives way.
 fn offer(bank: &mut Vec<Hypothesis, MAX_HYPOTHESES>, layers: &[FloorLayer<'_>], new: Hypothesis) {
-    let worth = |h: &Hypothesis| i64::from(h.weight) + i64::from(h.mode.score);
+    // Of 64 bits: neither a weight nor a score is bounded.
+    let worth = |h: &Hypothesis| i64::from(h.weight.to_bits()) + i64::from(tempered(h.mode.score).to_bits());
     let is_same = |old: &Hypothesis| {
         floor(layers, &old.mode) == floor(layers, &new.mode)
             && old.mode.is_near(&new.mode, TOGETHER, TOGETHER_TURN)
@@ -314,14 +314,19 @@ fn finite(value: f32) -> f32 {
     if value.is_finite() { value } else { 0.0 }
 }
 
+/// A likelihood to the power of 1/16: 1/16 nat of a score are 1/256 nat of a weight.
+const fn tempered(score: Nats) -> LogWeight {
+    LogWeight::from_bits(score.to_bits())
+}
+
 /// A probability of its logarithm.
-fn exp(weight: i32) -> f32 {
-    libm::expf(weight as f32 / NAT as f32)
+fn exp(weight: LogWeight) -> f32 {
+    libm::expf(weight.to_float())
 }
 
 /// The logarithm of a probability.
-fn log(probability: f32) -> i32 {
-    libm::roundf(NAT as f32 * libm::logf(probability)) as i32
+fn log(probability: f32) -> LogWeight {
+    LogWeight::from_bits(libm::roundf(NAT * libm::logf(probability)) as i32)
 }
 
 #[cfg(test)]

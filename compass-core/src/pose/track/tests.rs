@@ -7,7 +7,12 @@ use std::vec::Vec;
 const ONWARDS: Motion = Motion { forward_m: 0.2, left_m: 0.0, turn: 0.0 };
 
 fn mode(x: f64, y: f64, degrees: i64, score: i32) -> ScoredPose {
-    ScoredPose { layer: 0, at: point(x, y), heading: Turn::from_ratio(degrees, 360), score }
+    ScoredPose {
+        layer: 0,
+        at: point(x, y),
+        heading: Turn::from_ratio(degrees, 360),
+        score: Nats::from_bits(score),
+    }
 }
 
 /// What is seen at a pose, and the pose as a frame by itself would give it.
@@ -60,7 +65,7 @@ fn three_wrong_frames_do_not_lead_astray() {
             let x = 6.0 + 0.2 * f64::from(n);
             let (table, truth) = seen(&building, x, 1.2, 0, n);
             // Frames 3 to 5 find something else alone, each elsewhere, 50 nats above the truth.
-            let wrong = mode(1.5 + f64::from(n % 3), 2.0, 120 * i64::from(n), truth.score + 800);
+            let wrong = mode(1.5 + f64::from(n % 3), 2.0, 120 * i64::from(n), truth.score.to_bits() + 800);
             let found = [if (3..6).contains(&n) { wrong } else { truth }];
             let estimate = track.step(&layers, &frame(&table, &found, motion));
             assert!(is_at(estimate, &mode(x, 1.2, 0, 0)), "frame {n}, {motion:?}: {estimate:?}");

@@ -3,6 +3,7 @@
 use super::{BINS, LEAD, RUNGS};
 use crate::base::ladder::RANGES;
 use crate::base::ladder::{RUNG, height_rungs};
+use crate::base::num::{CellNats, ToFloat as _};
 use bytemuck::{Pod, Zeroable};
 
 /// Rungs by which the ceiling may lie higher above the camera than the floor below it.
@@ -16,8 +17,8 @@ const CHOICES: u32 = RANGES as u32;
 /// Rungs on either side of the best that still count as agreeing with it.
 const AGREEING: usize = 2;
 
-/// What is expected of a range before looking, 1/16 nat: 1.3 x - 2.87 x^2, x from -1 at 0.4 m to 1 at 30 m, at the
-/// nominal height.
+/// Log-likelihood of a range before looking, the bits of [`BinNats`](crate::base::num::BinNats):
+/// 1.3 x - 2.87 x^2, x from -1 at the first rung of the ladder to 1 at the last, at the nominal height.
 static PRIOR: [i16; RUNGS] = {
     let mut prior = [0; RUNGS];
     let mut rung = 0;
@@ -61,7 +62,7 @@ static RATIOS: [u32; 84] = {
     table
 };
 /// The logarithm below the first of [`RATIOS`].
-const LOWEST: i8 = -20;
+const LOWEST: CellNats = CellNats::lit("-1.25");
 
 /// How many of [`RATIOS`] are not above a ratio of these [leading bits](leading): at the most one more is not above any
 /// ratio that begins so.
@@ -98,8 +99,8 @@ const fn leading(ratio: u32) -> usize {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
 #[repr(C)]
 pub struct RangeLikelihoods {
-    /// Log-likelihood ratio against knowing nothing, 1/16 nat, per rung and bin.
-    values: [[i8; BINS]; RUNGS],
+    /// Log-likelihood ratio against knowing nothing, per rung and bin.
+    values: [[CellNats; BINS]; RUNGS],
     /// 1 for bins of which enough floor or ceiling was seen, else 0.
     pub(super) known: [u8; BINS],
     /// The ceiling is so many rungs higher above the camera than the floor is below it.
@@ -117,7 +118,7 @@ pub struct Range {
 
 impl RangeLikelihoods {
     /// Nothing is known.
-    pub const EMPTY: Self = Self { values: [[0; BINS]; RUNGS], known: [0; BINS], ceiling: 0 };
+    pub const EMPTY: Self = Self { values: [[CellNats::ZERO; BINS]; RUNGS], known: [0; BINS], ceiling: 0 };
 
     /// Height of the ceiling above the camera in heights of the camera above the floor.
     #[must_use]
@@ -140,9 +141,9 @@ impl RangeLikelihoods {
     }
 
     /// Log-likelihood ratios of a ladder of ranges for a camera height given as [`height_rungs`]: row k for
-    /// [`likelihood`](crate::pose)'s rung k, 1/16 nat.
-    pub fn row(&self, rung: usize, height: i8) -> &[i8; BINS] {
-        const NOTHING: [i8; BINS] = [0; BINS];
+    /// rung k of the [ladder](crate::base::ladder).
+    pub fn row(&self, rung: usize, height: i8) -> &[CellNats; BINS] {
+        const NOTHING: [CellNats; BINS] = [CellNats::ZERO; BINS];
         let at = (rung + LEAD).saturating_add_signed(-isize::from(height)).min(RUNGS - 1);
         self.values.get(at).unwrap_or(&NOTHING)
     }
@@ -172,9 +173,9 @@ impl RangeLikelihoods {
 const NEAREST_M: f32 = 0.4;
 
 /// The share of the probability that a log-likelihood ratio stands for.
-fn share(value: i8) -> f32 {
+fn share(value: CellNats) -> f32 {
     let outliers = OUTLIERS_TENTHS as f32 / 10.0;
-    ((libm::expf(f32::from(value) / 16.0) - outliers) / (1.0 - outliers) / CHOICES as f32).max(0.0)
+    ((libm::expf(value.to_float()) - outliers) / (1.0 - outliers) / CHOICES as f32).max(0.0)
 }
 
 /// Bounds of the ceiling for a camera at a known height.
@@ -235,7 +236,7 @@ pub(super) fn fill(ranges: &mut RangeLikelihoods, floor: &[u8], ceiling: &[u8]) 
         for ((((value, here), best), sum), known) in
             row.iter_mut().zip(here).zip(&best).zip(&sums).zip(&ranges.known)
         {
-            *value = if *known != 0 { log_ratio(decay(best - here), *sum) } else { 0 };
+            *value = if *known != 0 { log_ratio(decay(best - here), *sum) } else { CellNats::ZERO };
         }
     }
 }
@@ -244,14 +245,14 @@ fn decay(below: i16) -> u32 {
     DECAY.get(below.unsigned_abs() as usize).copied().unwrap_or(0)
 }
 
-/// Logarithm of (1 - outliers) choices part / sum + outliers, 1/16 nat.
-fn log_ratio(part: u32, sum: u32) -> i8 {
+/// Logarithm of (1 - outliers) choices part / sum + outliers.
+fn log_ratio(part: u32, sum: u32) -> CellNats {
     // A part is at most 2^16, so that the product stays below 2^31.
     let share = part * ((10 - OUTLIERS_TENTHS) * CHOICES * 256 / 10 / 4) / (sum.max(1) / 4).max(1);
     let ratio = share + OUTLIERS_TENTHS * 256 / 10;
     let passed = PASSED.get(leading(ratio)).map_or(RATIOS.len(), |passed| usize::from(*passed));
     let more = RATIOS.get(passed).is_some_and(|least| *least <= ratio);
-    LOWEST + (passed + usize::from(more)) as i8
+    LOWEST + CellNats::from_bits((passed + usize::from(more)) as i8)
 }
 
 #[cfg(test)]
@@ -262,12 +263,12 @@ mod tests {
     fn log_ratios_are_rounded_logarithms() {
         let sum = 3 << 16;
         for part in [0, 1, 40, 700, 9_000, 30_000, 65_536] {
-            let exact = 16.0 * (0.7 * 72.0 * f64::from(part) / f64::from(sum) + 0.3).ln();
-            let found = f64::from(log_ratio(part, sum));
-            assert!((found - exact).abs() <= 0.6, "{part}: {found} for {exact}");
+            let exact = (0.7 * 72.0 * f64::from(part) / f64::from(sum) + 0.3).ln();
+            let found = log_ratio(part, sum).to_num::<f64>();
+            assert!((found - exact).abs() <= 0.6 / 16.0, "{part}: {found} for {exact}");
         }
-        assert_eq!(log_ratio(65_536, 65_536), 63, "all of it in one rung");
-        assert!(log_ratio(0, 0) < 0, "no sum is no crash");
+        assert_eq!(log_ratio(65_536, 65_536), CellNats::from_bits(63), "all of it in one rung");
+        assert!(log_ratio(0, 0) < CellNats::ZERO, "no sum is no crash");
     }
 
     #[test]
@@ -277,7 +278,7 @@ mod tests {
                 let share = part * ((10 - OUTLIERS_TENTHS) * CHOICES * 256 / 10 / 4) / (sum / 4);
                 let ratio = share + OUTLIERS_TENTHS * 256 / 10;
                 let passed = RATIOS.partition_point(|least| *least <= ratio) as i8;
-                assert_eq!(log_ratio(part, sum), LOWEST + passed, "{part} of {sum}");
+                assert_eq!(log_ratio(part, sum), LOWEST + CellNats::from_bits(passed), "{part} of {sum}");
             }
         }
     }

@@ -4,17 +4,20 @@
 //! and by the strongest edges within reach in the three bins on either side.
 
 use super::{BINS, RUNGS};
+use crate::base::num::EdgeNats;
+#[cfg(doc)]
+use crate::base::num::SupportNats;
 
 /// Edges are measured against the one that so many percent of the frame do not exceed...
 const PERCENT: u32 = 90;
 /// ... and that is at least this strong: below is noise.
 const LEAST_SCALE: u32 = 3;
-/// Units of normalized edges in a nat.
-const EDGE_UNIT: f32 = 32.0;
+/// Bits of a normalized edge of 1 nat.
+const EDGE_NAT: f32 = EdgeNats::ONE.to_bits() as f32;
 /// Bins on either side that support an edge; the reach is as many rungs as bins.
 const REACH: usize = 3;
-/// Weights of an edge and of the sum of its supports, per surface: 1/16 nat of evidence for 1/32 of the edge's log, in
-/// 1/256.
+/// Weights of an edge and of the sum of its supports, per surface, in 1/256: bits of [`SupportNats`] for
+/// bits of [`EdgeNats`].
 const WEIGHTS: [[u32; 2]; 2] = [[23, 23], [45, 74]];
 
 /// Whether enough of a bin is known, of the floor or of the ceiling.
@@ -32,7 +35,7 @@ pub(super) fn known(edges: &[u8]) -> [bool; BINS] {
     counts.map(|of| of.iter().any(|count| 3 * usize::from(*count) >= RUNGS))
 }
 
-/// Replaces edges by `ln(1 + 2 edge / scale)` in 1/32 nat; what is unknown becomes 0.
+/// Replaces edges by `ln(1 + 2 edge / scale)` in the bits of [`EdgeNats`]; what is unknown becomes 0.
 pub(super) fn normalize(edges: &mut [u8]) {
     let mut counts = [0_u32; 256];
     edges.iter().for_each(|edge| counts[usize::from(*edge)] += 1);
@@ -46,12 +49,12 @@ pub(super) fn normalize(edges: &mut [u8]) {
     let scale = (reached.unwrap_or(0) as u32).saturating_sub(1).max(LEAST_SCALE) as f32;
     let logs: [u8; 256] = core::array::from_fn(|edge| {
         let strength = edge.saturating_sub(1) as f32;
-        (libm::log1pf(2.0 * strength / scale) * EDGE_UNIT) as u8
+        (libm::log1pf(2.0 * strength / scale) * EDGE_NAT) as u8
     });
     edges.iter_mut().for_each(|edge| *edge = logs[usize::from(*edge)]);
 }
 
-/// Evidence of each cell, 1/16 nat, at most 255, from normalized edges.
+/// Evidence of each cell in the bits of [`SupportNats`], saturated, from normalized edges.
 pub(super) fn gather(edges: &[u8], support: &mut [u8]) {
     let surfaces = edges.chunks_exact(RUNGS * BINS).zip(support.chunks_exact_mut(RUNGS * BINS));
     for ((edges, support), [own, others]) in surfaces.zip(WEIGHTS) {

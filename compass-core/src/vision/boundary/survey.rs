@@ -31,7 +31,8 @@ impl<'a> BoundaryEvidence<'a> {
         Self { cells, known }
     }
 
-    /// Evidence in 1/16 nat, by surface (floor, ceiling), rung and bin: [`CELLS`] bytes.
+    /// Evidence, the bits of [`SupportNats`](crate::base::num::SupportNats), by surface (floor, ceiling), rung and bin:
+    /// [`CELLS`] bytes.
     #[must_use]
     pub const fn cells(&self) -> &'a [u8] {
         self.cells

@@ -1,6 +1,7 @@
 //! Boxes: pairs of edges, scored as windows by what lies between and beside them.
 
 use super::edges::{Edge, FINE};
+use crate::base::num::{LogOdds, LogWeight, log_odds};
 use crate::vision::panorama::{Resolution, TOP_DEG};
 use bytemuck::{Pod, Zeroable};
 
@@ -22,21 +23,21 @@ const MOST_COLUMNS: usize = 32;
 /// Rows searched at most: those of the finest ring.
 const MOST_ROWS: usize = (OUTSIDE_HALVES + INSIDE_HALVES) * 4 / 2;
 
-/// Scores count in 1/256 nat.
-pub(super) const NAT: i32 = 256;
+/// Bits of a score of 1 nat; octaves of shapes count in as many parts.
+const NAT: i32 = LogWeight::ONE.to_bits();
 /// Weights of the cues, in nats; how they were fitted is told in `docs/design.md`.
 const LINTEL: i32 = 4;
 const CONTRAST: i32 = 2;
 const TEXTURE: i32 = 8;
-const BIAS: i32 = -15 * NAT / 4;
+const BIAS: LogWeight = LogWeight::lit("-3.75");
 /// Penalties, in halves of a nat per octave, of shapes wider than 2^-0.8 and narrower than 1/4 of their height.
 const WIDE_HALVES: i32 = 3;
 const NARROW_HALVES: i32 = 4;
 /// Boxes below this score are forgotten.
-pub(super) const LEAST_SCORE: i32 = -4 * NAT;
+pub(super) const LEAST_SCORE: LogOdds = LogOdds::lit("-4");
 
 /// A box on the ring: columns `start..end` (`end` may lie beyond the last column: the ring goes round), rows
-/// `top..bottom`, and its score as a window in 1/256 nat.
+/// `top..bottom`, and its score as a window.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Pod, Zeroable)]
 #[repr(C)]
 pub struct WindowBox {
@@ -44,14 +45,14 @@ pub struct WindowBox {
     pub(super) end: u16,
     pub(super) top: u16,
     pub(super) bottom: u16,
-    pub(super) score: i16,
+    pub(super) score: LogOdds,
     /// The next box in a list.
     pub(super) next: u16,
 }
 
 impl WindowBox {
     /// For buffers.
-    pub const EMPTY: Self = Self { start: 0, end: 0, top: 0, bottom: 0, score: 0, next: 0 };
+    pub const EMPTY: Self = Self { start: 0, end: 0, top: 0, bottom: 0, score: LogOdds::ZERO, next: 0 };
     /// First column and the one after the last, clockwise; the latter may lie beyond the ring's last.
     #[must_use]
     pub const fn columns(&self) -> [u16; 2] {
@@ -64,9 +65,9 @@ impl WindowBox {
         [self.top, self.bottom]
     }
 
-    /// Log odds that it is a window, 1/256 nat.
+    /// Log odds that it is a window.
     #[must_use]
-    pub const fn score(&self) -> i16 {
+    pub const fn score(&self) -> LogOdds {
         self.score
     }
 
@@ -196,18 +197,18 @@ fn scored(planes: &Planes<'_>, start: usize, end: usize, top: usize, bottom: usi
     let octaves = log2_ratio(width as u32, height as u32);
     let wide = (octaves + NAT * 4 / 5).max(0);
     let narrow = (-2 * NAT - octaves).max(0);
-    let score = LINTEL * borders
+    let cues = LINTEL * borders
         + CONTRAST * per_level(rank - flank_rank)
         + TEXTURE * per_level(texture - flank_texture)
         - WIDE_HALVES * wide / 2
-        - NARROW_HALVES * narrow / 2
-        + BIAS;
+        - NARROW_HALVES * narrow / 2;
+    let score = LogWeight::from_bits(cues) + BIAS;
     Some(WindowBox {
         start: start as u16,
         end: end as u16,
         top: top.min(lintel_row) as u16,
         bottom: bottom.max(sill_row + 1) as u16,
-        score: score.clamp(i32::from(i16::MIN), i32::from(i16::MAX)) as i16,
+        score: log_odds(score),
         next: u16::MAX,
     })
 }

@@ -1,10 +1,11 @@
 //! Which boxes are windows: those that do not overlap and score most together, and how sure each direction is.
 
-use super::boxes::{NAT, WindowBox};
+use super::boxes::WindowBox;
+use crate::base::num::{LogOdds, LogWeight};
 use bytemuck::{Pod, Zeroable};
 
-/// Evidence is clipped at this, 1/256 nat.
-pub(super) const MOST_EVIDENCE: i32 = 4 * NAT;
+/// Evidence is clipped at this.
+pub(super) const MOST_EVIDENCE: LogWeight = LogWeight::lit("4");
 /// No box.
 const NOBODY: u16 = u16::MAX;
 
@@ -13,11 +14,11 @@ const NOBODY: u16 = u16::MAX;
 #[repr(C)]
 pub struct Column {
     /// Best total score of boxes that end here or before.
-    before: i32,
+    before: LogWeight,
     /// Best total score of boxes that start here or after.
-    after: i32,
+    after: LogWeight,
     /// Best total score of a choice with a box over this column; then the evidence.
-    evidence: i32,
+    evidence: LogWeight,
     /// The box that ends here in the best choice before.
     chosen: u16,
     /// First box of the list of this column.
@@ -26,14 +27,20 @@ pub struct Column {
 
 impl Column {
     /// For buffers.
-    pub const EMPTY: Self = Self { before: 0, after: 0, evidence: 0, chosen: 0, list: 0 };
+    pub const EMPTY: Self = Self {
+        before: LogWeight::ZERO,
+        after: LogWeight::ZERO,
+        evidence: LogWeight::ZERO,
+        chosen: 0,
+        list: 0,
+    };
 }
 
 /// Chooses among `boxes` around the circle of `columns.len() - 1` columns.
 ///
 /// The circle is cut where the boxes in favour weigh least; what crosses the cut is dropped. Then a dynamic program over
 /// columns finds the boxes of the largest total score. Returns the cut; [`chosen`] tells the boxes and
-/// [`evidence`] the log odds of a window at each column, in 1/256 nat.
+/// [`evidence`] the log odds of a window at each column.
 pub(super) fn choose(boxes: &mut [WindowBox], columns: &mut [Column]) -> usize {
     let n = columns.len().saturating_sub(1);
     let cut = cut(boxes, columns);
@@ -43,9 +50,10 @@ pub(super) fn choose(boxes: &mut [WindowBox], columns: &mut [Column]) -> usize {
     };
     enlist(boxes, columns, |b| Some(place(b)).filter(|(_, end)| *end <= n).map(|(_, end)| end));
     for column in 1..=n {
-        let (mut best, mut by) = (columns.get(column - 1).map_or(0, |c| c.before), NOBODY);
+        let (mut best, mut by) = (columns.get(column - 1).map_or(LogWeight::ZERO, |c| c.before), NOBODY);
         each(boxes, columns.get(column), |index, b| {
-            let score = columns.get(place(b).0).map_or(0, |c| c.before) + i32::from(b.score);
+            let score =
+                columns.get(place(b).0).map_or(LogWeight::ZERO, |c| c.before) + LogWeight::from(b.score);
             if score > best {
                 (best, by) = (score, index);
             }
@@ -56,9 +64,10 @@ pub(super) fn choose(boxes: &mut [WindowBox], columns: &mut [Column]) -> usize {
     }
     enlist(boxes, columns, |b| Some(place(b)).filter(|(_, end)| *end <= n).map(|(start, _)| start));
     for column in (0..n).rev() {
-        let mut best = columns.get(column + 1).map_or(0, |c| c.after);
+        let mut best = columns.get(column + 1).map_or(LogWeight::ZERO, |c| c.after);
         each(boxes, columns.get(column), |_, b| {
-            best = best.max(columns.get(place(b).1).map_or(0, |c| c.after) + i32::from(b.score));
+            best = best
+                .max(columns.get(place(b).1).map_or(LogWeight::ZERO, |c| c.after) + LogWeight::from(b.score));
         });
         if let Some(c) = columns.get_mut(column) {
             c.after = best;
@@ -72,21 +81,21 @@ pub(super) fn choose(boxes: &mut [WindowBox], columns: &mut [Column]) -> usize {
 fn cut(boxes: &[WindowBox], columns: &mut [Column]) -> usize {
     let n = columns.len().saturating_sub(1).max(1);
     columns.fill(Column { chosen: NOBODY, ..Column::default() });
-    let mut weight = 0;
-    for b in boxes.iter().filter(|b| b.score > 0) {
-        let score = i32::from(b.score);
+    let mut weight = LogWeight::ZERO;
+    for b in boxes.iter().filter(|b| b.score > LogOdds::ZERO) {
+        let score = LogWeight::from(b.score);
         let (start, end) = (usize::from(b.start) % n, usize::from(b.start) % n + b.width());
-        weight += if end >= n { score } else { 0 };
+        weight += if end >= n { score } else { LogWeight::ZERO };
         for (column, change) in [(start, score), (end % n, -score)] {
             if let Some(column) = columns.get_mut(column) {
                 column.evidence += change;
             }
         }
     }
-    let mut least = (i32::MAX, 0);
+    let mut least = (LogWeight::MAX, 0);
     for (index, column) in columns.iter_mut().take(n).enumerate() {
         weight += column.evidence;
-        column.evidence = 0;
+        column.evidence = LogWeight::ZERO;
         if weight < least.0 {
             least = (weight, index);
         }
@@ -116,21 +125,23 @@ fn each(boxes: &[WindowBox], column: Option<&Column>, mut visit: impl FnMut(u16,
 /// Max-marginal log odds: the best choice with a box over the column less the best without.
 fn weigh(boxes: &[WindowBox], columns: &mut [Column], place: impl Fn(&WindowBox) -> (usize, usize)) {
     let n = columns.len().saturating_sub(1);
-    columns.iter_mut().for_each(|column| column.evidence = i32::MIN / 2);
+    columns.iter_mut().for_each(|column| column.evidence = LogWeight::MIN / 2);
     for b in boxes {
         let (start, end) = place(b);
         if end > n {
             continue;
         }
-        let (before, after) =
-            (columns.get(start).map_or(0, |c| c.before), columns.get(end).map_or(0, |c| c.after));
-        let total = before + i32::from(b.score) + after;
+        let (before, after) = (
+            columns.get(start).map_or(LogWeight::ZERO, |c| c.before),
+            columns.get(end).map_or(LogWeight::ZERO, |c| c.after),
+        );
+        let total = before + LogWeight::from(b.score) + after;
         for column in columns.get_mut(start..end).unwrap_or(&mut []) {
             column.evidence = column.evidence.max(total);
         }
     }
     for index in 0..n {
-        let after = columns.get(index + 1).map_or(0, |c| c.after);
+        let after = columns.get(index + 1).map_or(LogWeight::ZERO, |c| c.after);
         if let Some(column) = columns.get_mut(index) {
             let without = column.before + after;
             column.evidence = (column.evidence - without).clamp(-MOST_EVIDENCE, MOST_EVIDENCE);
@@ -156,8 +167,8 @@ pub(super) fn chosen<'a>(
     })
 }
 
-/// The log odds of a window at a column of the ring, 1/256 nat.
-pub(super) fn evidence(columns: &[Column], cut: usize, column: usize) -> i32 {
+/// The log odds of a window at a column of the ring.
+pub(super) fn evidence(columns: &[Column], cut: usize, column: usize) -> LogWeight {
     let n = columns.len().saturating_sub(1).max(1);
     columns.get((column + n - cut) % n).map_or(-MOST_EVIDENCE, |c| c.evidence)
 }
@@ -171,7 +182,7 @@ mod tests {
     const N: u16 = 12;
 
     fn boxed(start: u16, width: u16, score: i16) -> WindowBox {
-        WindowBox { start, end: start + width, score, ..WindowBox::default() }
+        WindowBox { start, end: start + width, score: LogOdds::from_bits(score), ..WindowBox::default() }
     }
 
     fn overlap(a: &WindowBox, b: &WindowBox) -> bool {
@@ -180,16 +191,16 @@ mod tests {
     }
 
     /// The best total of boxes that do not overlap and do not cross the cut, by trying all.
-    fn best(boxes: &[WindowBox]) -> i32 {
+    fn best(boxes: &[WindowBox]) -> LogWeight {
         (0_u32..1 << boxes.len())
             .filter_map(|set| {
                 let some: Vec<_> =
                     boxes.iter().enumerate().filter(|(i, _)| set >> i & 1 == 1).map(|(_, b)| b).collect();
                 let apart = some.iter().enumerate().all(|(i, a)| some[..i].iter().all(|b| !overlap(a, b)));
-                apart.then(|| some.iter().map(|b| i32::from(b.score)).sum())
+                apart.then(|| some.iter().map(|b| LogWeight::from(b.score)).sum())
             })
             .max()
-            .unwrap_or(0)
+            .unwrap_or_default()
     }
 
     proptest! {
@@ -201,7 +212,7 @@ mod tests {
             let crosses = |b: &WindowBox| (b.start..b.end).skip(1).any(|c| c % N == cut);
             let allowed: Vec<_> = boxes.iter().copied().filter(|b| !crosses(b)).collect();
             let picked: Vec<_> = chosen(&boxes, &columns).copied().collect();
-            prop_assert_eq!(picked.iter().map(|b| i32::from(b.score)).sum::<i32>(), best(&allowed));
+            prop_assert_eq!(picked.iter().map(|b| LogWeight::from(b.score)).sum::<LogWeight>(), best(&allowed));
             for (i, a) in picked.iter().enumerate() {
                 prop_assert!(picked[..i].iter().all(|b| !overlap(a, b)) && !crosses(a));
             }
@@ -209,12 +220,13 @@ mod tests {
                 let covers = |b: &&WindowBox| (b.start..b.end).any(|c| usize::from(c % N) == column);
                 let covered = picked.iter().any(|b| covers(&b));
                 let odds = evidence(&columns, usize::from(cut), column);
-                prop_assert!(if covered { odds >= 0 } else { odds <= 0 }, "{} {}", column, odds);
+                let zero = LogWeight::ZERO;
+                prop_assert!(if covered { odds >= zero } else { odds <= zero }, "{} {}", column, odds);
                 let without: Vec<_> = allowed.iter().copied().filter(|b| !covers(&b)).collect();
                 let with = allowed.iter().filter(covers).map(|b| {
                     let rest: Vec<_> = allowed.iter().copied().filter(|o| !overlap(o, b)).collect();
-                    best(&rest) + i32::from(b.score)
-                }).max().unwrap_or(i32::MIN / 4);
+                    best(&rest) + LogWeight::from(b.score)
+                }).max().unwrap_or(LogWeight::MIN / 4);
                 prop_assert_eq!(odds, (with - best(&without)).clamp(-MOST_EVIDENCE, MOST_EVIDENCE));
             }
         }

@@ -17,7 +17,7 @@ pub use choose::Column;
 pub use edges::{Edge, Upright};
 
 use crate::base::confidence::Confidence;
-use crate::base::num::BINS;
+use crate::base::num::{BINS, LogOdds, LogWeight, log_odds};
 use crate::base::raster::GrayImage;
 use crate::base::scan::Hit;
 use crate::vision::camera::{Pixel, Rig};
@@ -63,15 +63,16 @@ pub struct Window {
     pub columns: [u16; 2],
     /// First row and the one after the last, downwards.
     pub rows: [u16; 2],
-    /// Log odds that it is a window, 1/256 nat.
-    pub score: i16,
+    /// Log odds that it is a window.
+    #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
+    pub score: LogOdds,
     /// The camera that sees its middle.
     pub camera: u16,
 }
 
 impl Window {
     /// For buffers.
-    pub const EMPTY: Self = Self { columns: [0; 2], rows: [0; 2], score: 0, camera: 0 };
+    pub const EMPTY: Self = Self { columns: [0; 2], rows: [0; 2], score: LogOdds::ZERO, camera: 0 };
 
     /// Azimuths in degrees counter-clockwise from the heading, from the right edge to the left; the first within
     /// -180 to 180.
@@ -102,8 +103,9 @@ pub struct WindowEvidence {
     pub hit: [Hit; BINS],
     /// How sure that is: 0 for what neither camera sees, or safety gear hides.
     pub confidence: Confidence,
-    /// Log odds of a window in each bin, 1/256 nat, within -4 to 4 nats; 0 where nothing is seen.
-    pub evidence: [i16; BINS],
+    /// Log odds of a window in each bin, within -4 to 4 nats; 0 where nothing is seen.
+    #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
+    pub evidence: [LogOdds; BINS],
     /// Number of near-vertical segments left in [`Buffers::uprights`]: for pictures of what was considered.
     pub uprights: usize,
     /// Number of boxes left in [`Buffers::boxes`].
@@ -117,7 +119,7 @@ impl WindowEvidence {
         truncated: false,
         hit: [Hit::Open; BINS],
         confidence: Confidence::NONE,
-        evidence: [0; BINS],
+        evidence: [LogOdds::ZERO; BINS],
         uprights: 0,
         boxes: 0,
     };
@@ -217,7 +219,7 @@ impl<'a, 'r> WindowFinder<'a, 'r> {
         for (bin, ((hit, evidence), confidence)) in bins.enumerate() {
             if let Some((judged, odds)) = judge(bin, &planes, &covered, (self.buffers.columns, cut)) {
                 *hit = judged;
-                *evidence = odds as i16;
+                *evidence = log_odds(odds);
                 *confidence = sureness(odds);
             }
         }
@@ -293,7 +295,7 @@ fn propose(planes: &Planes<'_>, edges: &[Edge], boxes: &mut [WindowBox]) -> (usi
                 break;
             }
             let Some(b) = boxes::propose(planes, left, &right) else { continue };
-            if i32::from(b.score) <= LEAST_SCORE {
+            if b.score <= LEAST_SCORE {
                 continue;
             }
             let Some(slot) = boxes.get_mut(count) else { return (count, false) };
@@ -404,11 +406,11 @@ fn judge(
     planes: &Planes<'_>,
     covered: &Covered,
     (columns, cut): (&[Column], usize),
-) -> Option<(Hit, i32)> {
+) -> Option<(Hit, LogWeight)> {
     let per_degree = planes.resolution.per_degree();
     let first = (180 + BINS - bin) * per_degree - per_degree / 2;
     let of_bin = (first..first + per_degree).map(|column| column % planes.resolution.columns());
-    let (mut windows, mut seen, mut odds) = (0, 0, 0);
+    let (mut windows, mut seen, mut odds) = (0, 0, LogWeight::ZERO);
     for column in of_bin {
         windows += usize::from(covered.has(column));
         let (known, all) = known(planes, column, SEEN_DEG);
@@ -423,8 +425,8 @@ fn judge(
 }
 
 /// tanh of half the log odds, in sixteenths, at least 1: by how much the likelier hit type exceeds the other.
-fn sureness(odds: i32) -> u8 {
-    /// Log odds in 1/256 nat from which the share rounds to 2/16, 3/16 ... 16/16.
+fn sureness(odds: LogWeight) -> u8 {
+    /// Bits of log odds from which the share rounds to 2/16, 3/16 ... 16/16.
     const STEPS: [u32; 15] = [48, 81, 114, 148, 183, 221, 260, 303, 350, 403, 463, 537, 632, 771, 1061];
-    1 + STEPS.iter().filter(|step| odds.unsigned_abs() >= **step).count() as u8
+    1 + STEPS.iter().filter(|step| odds.to_bits().unsigned_abs() >= **step).count() as u8
 }

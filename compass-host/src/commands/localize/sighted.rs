@@ -108,7 +108,7 @@ pub(super) fn run(
         camera_height_m: Decimal(f64::from(height_m.unwrap_or_else(|| fix.height_m()))),
         layer: LAYERS[layer.min(1)],
         score: best.score,
-        margin: nats(fix.answer.margin()),
+        margin: Decimal(fix.answer.margin().to_num()),
         probability: Decimal(probability),
         candidates: poses,
         walls: WallsSeen::of(&walls),
@@ -150,12 +150,8 @@ pub(in crate::commands) fn pose_of<'a>(mode: &ScoredPose, floor: Option<&'a str>
         x: Decimal(mode.at.x.to_num()),
         y: Decimal(mode.at.y.to_num()),
         heading_deg: Decimal(f64::from(mode.heading.to_microdegrees()) / 1e6),
-        score: nats(mode.score),
+        score: Decimal(mode.score.to_num()),
     }
-}
-
-fn nats(sixteenths: i32) -> Decimal {
-    Decimal(f64::from(sixteenths) / 16.0)
 }
 
 fn summary(output: &Output<'_>) -> String {

@@ -3,9 +3,9 @@
 
 use compass_core::pose::wall_check;
 use compass_core::vision::attitude::{self, Arc, Axes, Vertical};
-use compass_core::vision::boundary::{self, RangeLikelihoods, BoundaryEvidence, BoundaryFinder};
+use compass_core::vision::boundary::{RangeLikelihoods, BoundaryEvidence, BoundaryFinder};
 use compass_core::vision::camera::{Camera, Equidistant, Eucm, KannalaBrandt, Rig, View};
-use compass_core::descriptor::{self, Descriptor};
+use compass_core::descriptor::{Descriptor, channels};
 use compass_core::pose::{self, ScoredPose, Rows, FloorLayer};
 use compass_core::pose::evidence::EvidenceTable;
 use compass_core::pose::locate::{self, Fix};
@@ -16,7 +16,7 @@ use compass_core::base::raster::{BitMask, GrayImage, RgbImage};
 use compass_core::base::scan::{Hit, Scan};
 use compass_core::vision::segments;
 use compass_core::vision::shot::{self, Shot};
-use compass_core::sight;
+use compass_core::vision::visual_scan;
 use compass_core::descriptor::signature::Signature;
 use compass_core::descriptor::similarity::{Candidate, Peak, Profile, Query};
 use compass_core::base::confidence::Confidence;
@@ -29,7 +29,9 @@ use compass_core::pose::heights::HeightMemory;
 use compass_core::vision::windows::{self, Edge, WindowFinder, Upright, Window};
 use compass_core::vision::level_frame::LevelFrame;
 use compass_core::vision::panorama::Resolution;
-use compass_core::descriptor::windows;
+use compass_core::base::ladder;
+use compass_core::descriptor::windows as paper;
+use compass_core::pose::evidence;
 
 /// Headings of the search under evidence.
 const HEADINGS: usize = 90;
@@ -72,7 +74,7 @@ pub(crate) static ALL: &[Entry] = &entries![
     Frame::cell_centre,
     // descriptor, spectrum
     Descriptor::fill,
-    descriptor::hit_level,
+    channels::hit_level,
     spectrum::forward,
     spectrum::inverse,
     correlate,
@@ -103,15 +105,15 @@ pub(crate) static ALL: &[Entry] = &entries![
     SiteMap::position,
     walk_map,
     Record::layer,
-    Record::signature,
-    Record::sketch,
     Record::scan,
-    LayerView::signature,
-    LayerView::sketch,
     LayerView::scan,
     Sketch::new,
     SketchQuery::new,
     SketchQuery::rank,
+    Sketch::stored,
+    Signature::stored,
+    LayerView::signature_bytes,
+    LayerView::sketch_bytes,
     site::is_name,
     Floor::new,
     Floor::plan,
@@ -140,20 +142,20 @@ pub(crate) static ALL: &[Entry] = &entries![
     EvidenceTable::set,
     EvidenceTable::set_plane,
     EvidenceTable::at,
-    likelihood::plane_of,
+    pose::plane_of,
     Rows::<HEADINGS>::set,
     Rows::<HEADINGS>::planes,
     Rows::<HEADINGS>::planes_of_packed,
     Rows::<HEADINGS>::scores,
     search,
-    likelihood::refine_coarse,
-    likelihood::refine_final,
-    likelihood::refine,
-    likelihood::refine_fine,
-    likelihood::answer,
-    likelihood::Answer::modes,
-    likelihood::Answer::best,
-    likelihood::Answer::margin,
+    pose::refine_coarse,
+    pose::refine_final,
+    pose::refine,
+    pose::refine_fine,
+    pose::answer,
+    pose::Answer::modes,
+    pose::Answer::best,
+    pose::Answer::margin,
     // camera
     KannalaBrandt::new,
     Eucm::new,
@@ -197,17 +199,17 @@ pub(crate) static ALL: &[Entry] = &entries![
     visit_edges,
     Window::azimuth_deg,
     Window::elevation_deg,
-    level::segment_parameters,
-    level::sky_above,
-    level::wants_smoothed,
-    level::image_box,
+    windows::segment_parameters,
+    windows::sky_above,
+    windows::wants_smoothed,
+    windows::image_box,
     paper::find,
     // boundary, sight
     BoundaryFinder::new,
     BoundaryFinder::add,
     BoundaryFinder::finish,
-    boundary::height_rungs,
-    boundary::height_m,
+    ladder::height_rungs,
+    ladder::height_m,
     BoundaryEvidence::new,
     BoundaryEvidence::ceilings,
     BoundaryEvidence::ranges,
@@ -217,9 +219,9 @@ pub(crate) static ALL: &[Entry] = &entries![
     RangeLikelihoods::knows,
     RangeLikelihoods::row,
     RangeLikelihoods::range,
-    sight::evidence,
-    sight::scan,
-    as_built::compare,
+    evidence::weigh,
+    visual_scan::scan,
+    wall_check::compare,
     // locate, track
     locate::locate::<HEADINGS>,
     Fix::height_m,
@@ -260,7 +262,7 @@ fn search(
     among: &dyn Fn(u8, usize) -> bool,
     pool: &mut [ScoredPose],
 ) -> usize {
-    likelihood::search(rows, layers, among, pool)
+    pose::search(rows, layers, among, pool)
 }
 
 struct Bytes<'a>(&'a mut dyn FnMut(&[u8]) -> bool);
@@ -299,7 +301,7 @@ fn walk_rig(rig: &Rig, visit: &mut dyn FnMut(usize, &View)) {
 }
 
 fn visit_edges(uprights: &mut [Upright], resolution: Resolution, visit: &mut dyn FnMut(&Edge)) {
-    level::visit_edges(uprights, resolution, visit);
+    windows::visit_edges(uprights, resolution, visit);
 }
 
 fn hypotheses(track: &Track, visit: &mut dyn FnMut(ScoredPose, f32)) {
