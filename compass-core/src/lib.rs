@@ -5,36 +5,107 @@
 //! allocates nothing, contains no `unsafe`, and gives the same bits on every target: integers, and where lenses and
 //! directions need them `f32`, through `libm` alone and without fused operations.
 //!
-//! Modules in reading order, each knowing only those before it:
+//! # The door
+//! Open a [`Site`], describe the [`Rig`], lend a [`Locator`] its memory, and every pair of frames gives a [`Fix`]: pose,
+//! probability, heights, the name of the floor, alternatives.
 //!
-//! | module | owns |
+//! ```
+//! use compass_core::{Frame, Fix, GrayImage, HeightPrior, Locator, LocateError, Prior, Rig, Settings, Site, UpHint, Bearing};
+//!
+//! /// Memory for two frames of 368 x 360 pixels: on a board a static.
+//! const WORDS: usize = Settings::BOARD.memory_words(368, 360);
+//!
+//! fn locate<'a>(
+//!     site: &Site<'a>,
+//!     rig: Rig,
+//!     [front, back]: [&[u8]; 2],
+//!     memory: &mut [u32; WORDS],
+//! ) -> Result<Fix<'a>, LocateError> {
+//!     let frame = |pixels| GrayImage::new(pixels, 368, 360).ok().map(Frame::from);
+//!     // The rig hangs upside down, 1.6 m above the floor.
+//!     let prior = Prior {
+//!         up: UpHint::Up(Bearing::new(0.0, 1.0, 0.0)),
+//!         heights: HeightPrior::camera(1.6),
+//!     };
+//!     let mut locator: Locator<'_, _> = Locator::new(site, rig, Settings::BOARD, &mut memory[..])?;
+//!     locator.locate(&[frame(front), frame(back)], &prior)
+//! }
+//! # use compass_core::{Camera, Intrinsics, KannalaBrandt, View};
+//! # const VECTORS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/vectors");
+//! # let view = |[fx, fy, cx, cy]: [f32; 4], k| {
+//! #     let lens = KannalaBrandt::new(Intrinsics { fx, fy, cx, cy }, k).unwrap();
+//! #     View::new(Camera::KannalaBrandt(lens), 368, 360)
+//! # };
+//! # let front = view([116.0, 116.1, 182.95, 179.9], [0.024, -0.0105, -0.0016, 0.000_14]);
+//! # let mut back = view([116.25, 116.3, 183.65, 179.2], [0.025, -0.0107, -0.001_55, 0.000_13]);
+//! # let rotation = [-0.999_975, 0.005_025, 0.004_975, 0.005, 0.999_974_7, -0.005_025, -0.005, -0.005, -0.999_974_9];
+//! # back.rotation.copy_from_slice(&rotation);
+//! # back.rotation.transpose_mut();
+//! # (back.position.x, back.position.y, back.position.z) = (0.0012, -0.0007, -0.038);
+//! # let rig = Rig::new([Some(front), Some(back)]).unwrap();
+//! # let read = |name: &str| std::fs::read(format!("{VECTORS}/{name}")).unwrap();
+//! # let (front, back, bytes) = (read("frame_368x360_cam0.gray"), read("frame_368x360_cam1.gray"), read("sample.site"));
+//! # let site = Site::new(&bytes).unwrap();
+//! # let mut memory: Box<[u32; WORDS]> = vec![0; WORDS].try_into().unwrap();
+//! let fix = locate(&site, rig, [&front, &back], &mut memory)?;
+//! let pose = fix.pose().expect("the sample building has candidates");
+//! assert_eq!(fix.floor_name(), Some("ground"));
+//! // It was taken at x 4.12, y 17.77 m.
+//! assert!((pose.at.x.to_num::<f32>() - 4.12).abs() < 0.4 && (pose.at.y.to_num::<f32>() - 17.77).abs() < 0.4);
+//! assert!(fix.probability() > 0.5);
+//! # Ok::<(), LocateError>(())
+//! ```
+//!
+//! A sequence of frames adds up in a [`Track`]. The paper's own way, from a [`Scan`] by its [`Descriptor`] to the places
+//! of a map that resemble it, is the wing [`descriptor`].
+//!
+//! # The wings
+//! Everything else is reached by its path, for those who measure or rebuild a stage. A wing knows those above it, and a
+//! module those before it.
+//!
+//! | wing | owns |
 //! |---|---|
-//! | [`num`] | fixed-point vocabulary: levels, metres, binary angles, scores |
-//! | [`raster`] | borrowed bit masks, gray and colour images |
-//! | [`scan`] | range and hit type of 360 rays |
-//! | [`plan`] | the packed floor plan and the ray march |
-//! | [`descriptor`] | the 5 x 360 descriptor of a scan |
-//! | [`spectrum`] | fixed-point FFT and circular correlation |
-//! | [`similarity`] | cosine similarity of descriptors, plain and centred, weighted and masked |
-//! | [`signature`] | the rotation-invariant transition signature |
-//! | [`site_map`] | the map of candidate positions as bytes |
-//! | [`site`] | the file of a site: floors with their site maps and plans |
-//! | [`matching`] | search over candidates and headings |
-//! | [`likelihood`] | likelihood of a pose under a table of evidence: search and refinement |
-//! | [`camera`] | fisheye models, bearing to pixel and back; the rig of two |
-//! | [`shot`] | the file of what a rig's cameras took at one moment |
-//! | [`segments`] | line segments of an image, by edge drawing |
-//! | [`attitude`] | up vector and the building's axes from vanishing points |
-//! | [`windows`] | windows and hit type of every direction |
-//! | [`boundary`] | likelihood of ranges, from where walls meet floor and ceiling |
-//! | [`sight`] | range and hit type put together: evidence, and the descriptor as seen |
-//! | [`locate`] | from what is seen to a pose |
-//! | [`track`] | the belief over a sequence of frames |
+//! | [`base`] | the vocabulary: fixed-point scales, angles, images, scans, poses |
+//! | [`map`] | the building: packed plan and ray march, candidates, the file of a site |
+//! | [`vision`] | what is seen: cameras, segments, up vector, windows, boundaries of floor and ceiling |
+//! | [`pose`] | where that can be: evidence, search, refinement, track, wall check |
+//! | [`descriptor`] | the paper's method, whole and by itself |
+//! | [`locator`] | the one pipeline from frames to a pose |
 //!
 //! Memory is lent by the caller throughout; "nothing found" is `None`; errors are small `Copy` enums.
 //!
+//! # Glossary
+//!
+//! | word | meaning |
+//! |---|---|
+//! | azimuth, bin | direction in the level frame, degrees counter-clockwise from the heading; bin j of 360 looks along heading + j degrees |
+//! | bearing | a unit vector in the axes of a camera: x right, y down, z forward |
+//! | boundary | where a wall meets the floor or the ceiling |
+//! | candidate | a position of the site map, with the scan cast from it |
+//! | channel value | a value of a descriptor in fixed point |
+//! | descriptor | five channels of 360 bins made of a scan (paper) |
+//! | evidence | log-likelihood ratios against "nothing known", by direction, range and hit type |
+//! | exclusion mask | pixels that say nothing of the building, as safety gear in front of a window |
+//! | fix | a pose with its probability, heights and alternatives |
+//! | floor, floor layer | a storey; its plan as drawn (layer 0) or its structure alone (layer 1) |
+//! | heading | direction of camera 0's optical axis, projected on the floor: counter-clockwise from +x |
+//! | height prior | what is known beforehand of the heights of camera and ceiling |
+//! | level frame | the gravity-aligned axes of camera 0: forward, left, up |
+//! | nat | unit of a natural logarithm; scores are sums of log-likelihood ratios in nats |
+//! | panorama | what both cameras see, by azimuth and elevation |
+//! | rung | a step of range or height: 6.3 % |
+//! | scan | range and hit type of 360 rays |
+//! | segment | a straight line in an image |
+//!
+//! # Features
+//!
+//! | feature | adds |
+//! |---|---|
+//! | `draw` | drawing on any `embedded-graphics` display |
+//! | `defmt` | `defmt::Format` on the public types |
+//!
 //! # Reference
-//! "COMPASS: `COmpact` Multi-channel Prior-map And Scene Signature", 2026 (*the paper* below).
+//! "COMPASS: `COmpact` Multi-channel Prior-map And Scene Signature", 2026 (*the paper* in all docs).
 #![no_std]
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
@@ -50,6 +121,21 @@ pub mod locator;
 pub mod map;
 pub mod pose;
 pub mod vision;
+
+pub use base::num::{Metres, Nats, Point, Turn};
+pub use base::pose::Pose;
+pub use base::raster::{BitMask, GrayImage, RgbImage};
+pub use base::scan::{Hit, Scan};
+pub use descriptor::Descriptor;
+pub use locator::{Error as LocateError, Frame, Frames, Locator, Prior, Settings};
+pub use map::plan::Plan;
+pub use map::site::{Site, SiteError};
+pub use pose::heights::HeightPrior;
+pub use pose::track::{Estimate, Motion, Track};
+pub use pose::{Fix, ScoredPose};
+pub use vision::attitude::UpHint;
+pub use vision::camera::{Bearing, Camera, CameraError, Eucm, Intrinsics, KannalaBrandt, Rig, View};
+pub use vision::sample::ExclusionMask;
 
 /// The README's example, compiled.
 #[cfg(doctest)]

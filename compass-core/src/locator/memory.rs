@@ -124,6 +124,7 @@ impl Layout {
     }
 
     /// What stages hand on, and the rest.
+    #[inline(never)]
     pub(super) fn split<'m>(&self, memory: &'m mut [u32]) -> Option<(Kept<'m>, Rest<'m>)> {
         let mut rest = Rest(memory);
         let segments = [rest.take(self.settings.segments)?, rest.take(self.settings.segments)?];
@@ -134,6 +135,7 @@ impl Layout {
     }
 
     /// For the segments of a camera's frame, with the bytes of the mask of its lens's field.
+    #[inline(never)]
     pub(super) fn detector<'m>(&self, memory: &'m mut [u32], camera: usize) -> Option<Detector<'m>> {
         let (kept, mut rest) = self.split(memory)?;
         let [width, height] = self.size(camera);
@@ -148,6 +150,7 @@ impl Layout {
     }
 
     /// The segments, and room for as many arcs.
+    #[inline(never)]
     pub(super) fn arcs<'m>(
         &self,
         memory: &'m mut [u32],
@@ -157,6 +160,7 @@ impl Layout {
     }
 
     /// For the windows.
+    #[inline(never)]
     pub(super) fn windows<'m>(&self, memory: &'m mut [u32], ring: Resolution) -> Option<Look<'m>> {
         let (kept, mut rest) = self.split(memory)?;
         let buffers = windows::Buffers {
@@ -170,6 +174,7 @@ impl Layout {
     }
 
     /// For the boundaries; the support lies where the [search](Self::search) finds it.
+    #[inline(never)]
     pub(super) fn boundary<'m>(&self, memory: &'m mut [u32]) -> Option<Boundary<'m>> {
         let (kept, mut rest) = self.split(memory)?;
         let support = rest.take(CELLS)?;
@@ -177,6 +182,7 @@ impl Layout {
         Some(Boundary { smoothed: kept.smoothed, support, edges, smoothing: self.smoothing(&mut rest)? })
     }
 
+    #[inline(never)]
     fn smoothing<'m>(&self, rest: &mut Rest<'m>) -> Option<(&'m mut [u8], &'m mut [u16])> {
         match self.settings.smoothing {
             Smoothing::Again => Some((rest.take(self.most_pixels())?, rest.take(self.widest())?)),
@@ -185,6 +191,7 @@ impl Layout {
     }
 
     /// For the search, beside the boundaries.
+    #[inline(never)]
     pub(super) fn search<'m>(&self, memory: &'m mut [u32]) -> Option<Search<'m>> {
         let (_, mut rest) = self.split(memory)?;
         Some(Search {

@@ -53,7 +53,11 @@ where
             locator.found.segments[usize::from(camera % 2)] = 0;
             if let Some(frame) = frame {
                 locator.trace.begin(Stage::Segments(camera));
-                detect_in(locator, camera.into(), &frame.gray);
+                if T::INLINED {
+                    detect_in(locator, camera.into(), &frame.gray);
+                } else {
+                    detect_apart(locator, camera.into(), &frame.gray);
+                }
                 let layout = locator.memory_map();
                 let segments = locator.found.segments[usize::from(camera % 2)];
                 let (trace, memory) = (&mut locator.trace, locator.memory.as_mut());
@@ -84,6 +88,7 @@ where
     ///
     /// # Errors
     /// [`Error::Up`] if too few segments point to one.
+    #[inline(never)]
     pub fn vertical(&mut self, hint: UpHint) -> Result<Vertical, Error> {
         self.locator.trace.begin(Stage::Up);
         self.locator.found.arcs = collect_arcs(self.locator);
@@ -217,6 +222,7 @@ where
     }
 
     /// The pose that explains best what was seen, over all layers.
+    #[inline(never)]
     #[must_use]
     pub fn locate(&mut self, known: HeightPrior) -> Fix<'a> {
         self.locator.trace.begin(Stage::Locate);
@@ -242,6 +248,7 @@ where
 
     /// Takes what was seen and the [pose](Self::locate) found in it into a belief over a sequence of frames; `seconds` and
     /// `motion` are those since the frames before.
+    #[inline(never)]
     pub fn track(
         &mut self,
         track: &mut Track,
@@ -287,6 +294,16 @@ where
     }
 }
 
+/// [`detect_in`] with code and stack of its own.
+#[inline(never)]
+fn detect_apart<M: AsMut<[u32]>, T, const LAYERS: usize>(
+    locator: &mut Locator<'_, M, T, LAYERS>,
+    camera: usize,
+    image: &GrayImage<'_>,
+) {
+    detect_in(locator, camera, image);
+}
+
 /// The segments of a camera's frame.
 #[inline(always)]
 fn detect_in<M: AsMut<[u32]>, T, const LAYERS: usize>(
@@ -307,6 +324,7 @@ fn detect_in<M: AsMut<[u32]>, T, const LAYERS: usize>(
 }
 
 /// Turns the segments into arcs of great circles; their number.
+#[inline(never)]
 fn collect_arcs<M: AsMut<[u32]>, T, const LAYERS: usize>(locator: &mut Locator<'_, M, T, LAYERS>) -> usize {
     let Locator { settings, rig, found, memory, .. } = locator;
     let Some((segments, arcs)) = settings.layout(rig).arcs(memory.as_mut()) else { return 0 };
@@ -334,7 +352,30 @@ fn arcs<'l, M: AsMut<[u32]>, T, const LAYERS: usize>(
 
 /// The windows in the panorama of both frames.
 #[inline(always)]
-fn find_windows<M: AsMut<[u32]>, T, const LAYERS: usize>(
+fn find_windows<M: AsMut<[u32]>, T: Trace, const LAYERS: usize>(
+    locator: &mut Locator<'_, M, T, LAYERS>,
+    frames: &Frames<'_>,
+    frame: LevelFrame,
+) {
+    if T::INLINED {
+        find_windows_in(locator, frames, frame);
+    } else {
+        find_windows_apart(locator, frames, frame);
+    }
+}
+
+/// [`find_windows_in`] with code and stack of its own.
+#[inline(never)]
+fn find_windows_apart<M: AsMut<[u32]>, T, const LAYERS: usize>(
+    locator: &mut Locator<'_, M, T, LAYERS>,
+    frames: &Frames<'_>,
+    frame: LevelFrame,
+) {
+    find_windows_in(locator, frames, frame);
+}
+
+#[inline(always)]
+fn find_windows_in<M: AsMut<[u32]>, T, const LAYERS: usize>(
     locator: &mut Locator<'_, M, T, LAYERS>,
     frames: &Frames<'_>,
     frame: LevelFrame,
@@ -395,6 +436,7 @@ fn trace_windows<M: AsMut<[u32]>, T: Trace, const LAYERS: usize>(locator: &mut L
 }
 
 /// The boundaries of floor and ceiling in both frames.
+#[inline(never)]
 fn find_boundaries<M: AsMut<[u32]>, T, const LAYERS: usize>(
     locator: &mut Locator<'_, M, T, LAYERS>,
     frames: &Frames<'_>,

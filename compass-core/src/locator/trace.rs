@@ -75,6 +75,11 @@ pub enum Picture<'a> {
 
 /// Sees when stages begin and end, and what they find. The default is to do nothing: `()`.
 pub trait Trace {
+    /// Whether the loops over pixels are compiled into the functions that call [`Locator::segment`](super::Locator::segment)
+    /// and [`Levelled::see`](super::Levelled::see): a caller compiled for wider vectors then has them wider. Takes more code
+    /// and stack.
+    const INLINED: bool = false;
+
     /// A stage begins.
     #[inline(always)]
     fn begin(&mut self, stage: Stage) {
@@ -91,6 +96,8 @@ pub trait Trace {
 impl Trace for () {}
 
 impl<T: Trace> Trace for &mut T {
+    const INLINED: bool = T::INLINED;
+
     fn begin(&mut self, stage: Stage) {
         (**self).begin(stage);
     }

@@ -169,7 +169,9 @@ fn nothing_known_says_nothing() {
     rows.set(&EvidenceTable::EMPTY);
     let mut pool = [PoolEntry::EMPTY; 16];
     let used = search(&rows, &[building.layer()], |_, _| true, &mut pool);
-    assert!(used > 0 && poses(&[building.layer()], &pool[..used]).iter().all(|mode| mode.score == Nats::ZERO));
+    assert!(
+        used > 0 && poses(&[building.layer()], &pool[..used]).iter().all(|mode| mode.score == Nats::ZERO)
+    );
     assert_eq!(search(&rows, &[building.layer()], |_, _| false, &mut pool), 0);
     assert_eq!(search(&rows, &[building.layer()], |_, _| true, &mut []), 0);
 }

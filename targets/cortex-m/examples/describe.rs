@@ -1,19 +1,15 @@
-//! What surrounds a place, from a plan in flash: 360 rays, and their descriptor.
+//! What surrounds a place, from a building in flash: 360 rays, and their descriptor.
 #![no_std]
 #![no_main]
 
-use compass_core::descriptor::Descriptor;
-use compass_core::base::num::{Metres, Point, Turn};
-use compass_core::map::plan::Plan;
-use compass_core::base::scan::{Hit, Scan};
+use compass_core::{Descriptor, Hit, Metres, Point, Scan, Site, Turn};
 use compass_firmware::files::refuse;
 use cortex_m_rt::entry;
 use semihosting::{println, process};
 
-/// A packed plan, as a site file holds one for each layer of a floor.
-static PLAN: &[u8] = include_bytes!("../../../tests/vectors/sample_plan.bin");
+static BUILDING: &[u8] = include_bytes!("../../../tests/vectors/sample.site");
 
-/// Where it is that one stands, and the direction of bin 0.
+/// The position, and the direction of bin 0.
 const AT: Point = Point::new(Metres::lit("13.37"), Metres::lit("3.68"));
 const HEADING: Turn = Turn::from_ratio(74, 360);
 
@@ -21,7 +17,8 @@ const HEADING: Turn = Turn::from_ratio(74, 360);
 fn main() -> ! {
     static mut SCAN: Scan = Scan::OPEN;
     static mut DESCRIPTOR: Descriptor = Descriptor::ZERO;
-    let plan = Plan::new(PLAN).unwrap_or_else(|error| refuse("plan", &error));
+    let site = Site::new(BUILDING).unwrap_or_else(|error| refuse("building", &error));
+    let Some(plan) = site.floor(0).and_then(|floor| floor.plan(0)) else { refuse("building", &"no plan") };
     plan.scan(AT, HEADING, SCAN).unwrap_or_else(|error| refuse("place", &error));
     DESCRIPTOR.fill(SCAN);
     println!("window bins {} of 360", SCAN.count(Hit::Window));

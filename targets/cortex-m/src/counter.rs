@@ -66,6 +66,13 @@ pub struct Counter {
     overhead: u64,
 }
 
+/// The clocks at one moment.
+#[derive(Debug, Clone, Copy)]
+pub struct Reading {
+    coarse: u32,
+    fine: u64,
+}
+
 impl Counter {
     /// Starts the timer and checks it on a loop of known length.
     ///
@@ -83,7 +90,8 @@ impl Counter {
             (CLOCKS.value as *mut u32).write_volatile(LAST as u32);
             (CLOCKS.control as *mut u32).write_volatile(CLOCKS.enable);
         }
-        let counter = Self { overhead: raw(|| ()).1 };
+        let mut counter = Self { overhead: 0 };
+        counter.overhead = counter.count(|| ()).1;
         let ((), counted) = counter.count(|| spin(TURNS));
         assert!(
             counted.abs_diff(EXPECTED) <= 8,
@@ -95,27 +103,36 @@ impl Counter {
 
     /// What `f` returns, and the instructions it executed.
     pub fn count<T>(&self, f: impl FnOnce() -> T) -> (T, u64) {
-        let (value, counted) = raw(f);
-        (value, counted.saturating_sub(self.overhead))
+        let start = now();
+        let value = f();
+        (value, self.since(start))
+    }
+
+    /// The instructions executed since a reading.
+    #[must_use]
+    #[inline(always)]
+    pub fn since(&self, start: Reading) -> u64 {
+        between(start, now()).saturating_sub(self.overhead)
     }
 }
 
-/// As [`Counter::count`], reading the clock included.
+/// Reads the clocks.
+#[must_use]
 #[inline(never)]
-fn raw<T>(f: impl FnOnce() -> T) -> (T, u64) {
+pub fn now() -> Reading {
     // SAFETY: reading these registers has no side effect.
     let read = |register: usize| unsafe { (register as *const u32).read_volatile() };
-    let centiseconds = || read(CLOCKS.clk100hz);
-    let ticks = || LAST - u64::from(read(CLOCKS.value));
-    let (coarse_start, fine_start) = (centiseconds(), ticks());
-    let value = f();
-    let (fine_end, coarse_end) = (ticks(), centiseconds());
-    let fine = fine_end.wrapping_sub(fine_start) & LAST;
-    let coarse = u64::from(coarse_end.wrapping_sub(coarse_start)) * CENTISECOND_PS / CLOCKS.tick_ps;
+    Reading { coarse: read(CLOCKS.clk100hz), fine: LAST - u64::from(read(CLOCKS.value)) }
+}
+
+/// Instructions between two readings, reading the clocks included.
+fn between(start: Reading, end: Reading) -> u64 {
+    let fine = end.fine.wrapping_sub(start.fine) & LAST;
+    let coarse = u64::from(end.coarse.wrapping_sub(start.coarse)) * CENTISECOND_PS / CLOCKS.tick_ps;
     // The coarse count is off by less than one of its ticks, far below half a turn of the timer.
     let turns = (coarse.saturating_sub(fine) + LAST / 2) >> CLOCKS.bits;
     let picoseconds = ((turns << CLOCKS.bits) + fine) * CLOCKS.tick_ps;
-    (value, (picoseconds + INSTRUCTION_PS / 2) / INSTRUCTION_PS)
+    (picoseconds + INSTRUCTION_PS / 2) / INSTRUCTION_PS
 }
 
 /// Two instructions a turn.

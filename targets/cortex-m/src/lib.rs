@@ -17,6 +17,7 @@
 pub mod counter;
 pub mod files;
 pub mod image;
+pub mod sample;
 pub mod stack;
 
 use core::panic::PanicInfo;

@@ -1,6 +1,5 @@
 //! Stack use, by paint on unused stack.
 
-use core::hint::black_box;
 use cortex_m::register::msp;
 use cortex_m_rt::STACK_PAINT_VALUE;
 
@@ -10,7 +9,7 @@ unsafe extern "C" {
 }
 
 /// Bytes between the top of the stack and the deepest word that was ever overwritten, since reset or the last
-/// [`below`].
+/// [`paint`].
 #[must_use]
 pub fn high_water_mark() -> usize {
     &raw const _stack_start as usize - deepest() as usize
@@ -26,17 +25,9 @@ pub fn depth() -> usize {
 /// Bytes left to the painter itself.
 const OWN: usize = 64;
 
-/// What `f` returns, and the most bytes of stack it took, or [`OWN`] if that is more; the frames of its callers do not
-/// count.
-pub fn below<T>(f: impl FnOnce() -> T) -> (T, usize) {
-    let here = paint();
-    let value = black_box(f)();
-    (value, here.saturating_sub(deepest() as usize))
-}
-
-/// Paints all unused stack, and returns where it begins.
+/// Paints all unused stack.
 #[inline(never)]
-fn paint() -> usize {
+pub fn paint() {
     let top = msp::read();
     let mut word = (&raw const _stack_end).cast_mut();
     while (word as usize) + OWN < top as usize {
@@ -45,7 +36,6 @@ fn paint() -> usize {
         unsafe { word.write_volatile(STACK_PAINT_VALUE) };
         word = word.wrapping_add(1);
     }
-    top as usize
 }
 
 /// The deepest word without paint.

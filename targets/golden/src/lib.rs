@@ -26,6 +26,7 @@ use compass_core::descriptor::similarity::{Query, Similarity, Weights};
 use compass_core::descriptor::sketch::{Sketch, SketchQuery};
 use compass_core::descriptor::spectrum::{Complex, MAX_POINTS, forward};
 use compass_core::map::plan::Plan;
+use compass_core::map::site::Site;
 use compass_core::map::site_map::SiteMap;
 use compass_core::pose::track::Track;
 use core::fmt::{self, Write as _};
@@ -44,22 +45,23 @@ const SHORTLIST_POOL: usize = 256;
 /// Matches that the exact search chooses alternatives from.
 const EXACT_POOL: usize = 400;
 
-static SAMPLE_PLAN: &[u8] = include_bytes!("../../../tests/vectors/sample_plan.bin");
-static SAMPLE_MAP: &[u8] = include_bytes!("../../../tests/vectors/sample_map.bin");
+static SAMPLE_SITE: &[u8] = include_bytes!("../../../tests/vectors/sample.site");
 
-/// Candidates of the sample map, from its header.
+/// Candidates of the sample, from the headers of its site file and of the map in it.
 const CANDIDATES: usize = {
-    let map = include_bytes!("../../../tests/vectors/sample_map.bin");
-    u32::from_le_bytes([map[12], map[13], map[14], map[15]]) as usize
+    const fn word(site: &[u8], at: usize) -> usize {
+        u32::from_le_bytes([site[at], site[at + 1], site[at + 2], site[at + 3]]) as usize
+    }
+    let site = include_bytes!("../../../tests/vectors/sample.site");
+    let map = word(site, 40);
+    word(site, map + 12)
 };
 
 /// What every target computes on.
 #[derive(Debug, Clone, Copy)]
 pub struct Inputs<'a> {
-    /// A packed floor plan.
-    pub plan: &'a [u8],
-    /// A site map of that plan with no more candidates than the sample's.
-    pub map: &'a [u8],
+    /// A site of one floor, with no more candidates than the sample's.
+    pub site: &'a [u8],
     /// Where the robot is.
     pub position: Point,
     /// Where it looks.
@@ -71,30 +73,33 @@ pub struct Inputs<'a> {
 impl Inputs<'static> {
     /// The sample that is compared between targets: the sample building at its demo pose (`compass_host::sample`).
     ///
-    /// The test `vectors` of `compass-tests` makes the files.
+    /// The test `vectors` of `compass-tests` makes the file.
     pub const SAMPLE: Self = Self {
-        plan: SAMPLE_PLAN,
-        map: SAMPLE_MAP,
+        site: SAMPLE_SITE,
         position: Point::new(Metres::lit("13.37"), Metres::lit("3.68")),
         heading: Turn::from_ratio(74, 360),
         nearest: 72,
     };
 }
 
-/// Bytes of the sample that every image carries: plan, map and frames.
+/// Bytes of the sample that every image carries: site and frames.
 #[must_use]
 pub fn input_bytes() -> usize {
     let frames = sample::FRAMES.iter().map(|(gray, red)| gray.len() + red.len());
-    SAMPLE_PLAN.len() + SAMPLE_MAP.len() + frames.sum::<usize>()
+    SAMPLE_SITE.len() + frames.sum::<usize>()
 }
 
 impl<'a> Inputs<'a> {
+    fn site(&self) -> Site<'a> {
+        Site::new(self.site).expect("the input is a site")
+    }
+
     fn plan(&self) -> Plan<'a> {
-        Plan::new(self.plan).expect("the input is a packed plan")
+        self.site().floor(0).and_then(|floor| floor.plan(0)).expect("a floor has a plan")
     }
 
     fn map(&self) -> SiteMap<'a> {
-        SiteMap::new(self.map).expect("the input is a site map")
+        *self.site().floor(0).expect("a site has a floor").map()
     }
 }
 

@@ -14,7 +14,7 @@ use compass_core::vision::windows::{Window, WindowEvidence};
 pub(crate) type SampleLocator<'a, 'm> = Locator<'a, &'m mut [u32], (), 1>;
 
 /// Bytes of RAM on the way from frames to a pose, beside the stack.
-pub const POSE_RAM: usize = size_of::<[u32; WORDS]>() + size_of::<SampleLocator<'_, '_>>();
+pub const POSE_RAM: usize = size_of::<[u32; WORDS]>();
 
 /// The stages on that way.
 pub const POSE_STAGES: [&str; 6] = ["segments", "segments_back", "attitude", "windows", "ranges", "locate"];
@@ -77,6 +77,7 @@ impl<R: Report> Trace for Checks<'_, R> {
         self.report.begin(self.name(stage));
     }
 
+    #[inline(never)]
     fn end(&mut self, stage: Stage, picture: Picture<'_>) {
         let name = self.name(stage);
         self.report.end(name);
@@ -86,6 +87,7 @@ impl<R: Report> Trace for Checks<'_, R> {
 }
 
 /// The checksum of every bit of what a stage found.
+#[inline(never)]
 fn sum(picture: Picture<'_>) -> u32 {
     match picture {
         Picture::Segments(segments) => checksum(segment_words(segments)),

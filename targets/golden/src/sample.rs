@@ -1,9 +1,10 @@
 //! The frames that every target computes on: two of 368 x 360 pixels.
 
 use crate::Inputs;
+use crate::pipeline::SampleLocator;
 use compass_core::base::num::{Metres, Point, Turn};
 use compass_core::base::raster::{BitMask, GrayImage};
-use compass_core::locator::{Frame, Frames, Prior, Settings};
+use compass_core::locator::{Frame, Frames, Locator, Prior, Settings};
 use compass_core::pose::heights::HeightPrior;
 use compass_core::vision::attitude::UpHint;
 use compass_core::vision::camera::{Bearing, Camera, Intrinsics, KannalaBrandt, Rig, View};
@@ -85,10 +86,8 @@ impl<'a> Inputs<'a> {
     ///
     /// # Panics
     /// Never with the memory that [`WORDS`] says.
-    pub(crate) fn locator<'m>(&self, memory: &'m mut [u32]) -> crate::pipeline::SampleLocator<'a, 'm> {
-        let locator = compass_core::locator::Locator::without_site(rig(), Settings::BOARD, memory);
-        let mut locator = locator.expect("the memory is made for the frames");
-        locator.add_floor("sample", self.map(), self.plan()).expect("there is room for a floor");
-        locator
+    pub(crate) fn locator<'m>(&self, memory: &'m mut [u32]) -> SampleLocator<'a, 'm> {
+        let locator = Locator::new(&self.site(), rig(), Settings::BOARD, memory);
+        locator.expect("the memory is made for the frames, and there is room for a floor")
     }
 }

@@ -202,7 +202,7 @@ pub fn detect(
 }
 
 /// Smooths an image: a Gaussian of 5 x 5 pixels, sigma 1. `row` is scratch of its width, `out` has its size.
-#[inline(always)]
+#[inline(never)]
 pub fn smooth(image: &GrayImage<'_>, row: &mut [u16], out: &mut [u8]) {
     let width = image.width() as usize;
     let row = row.get_mut(..width).unwrap_or_default();

@@ -1,37 +1,37 @@
 //! The public entry points of `compass-core`, by module in its reading order. Displaying errors is left out: that is
 //! `core::fmt`'s.
 
-use compass_core::pose::wall_check;
-use compass_core::vision::attitude::{self, Arc, Axes, Vertical};
-use compass_core::vision::boundary::{RangeLikelihoods, BoundaryEvidence, BoundaryFinder};
-use compass_core::vision::camera::{Camera, Equidistant, Eucm, KannalaBrandt, Rig, View};
-use compass_core::descriptor::{Descriptor, channels};
-use compass_core::pose::{self, ScoredPose, Rows, FloorLayer};
-use compass_core::pose::evidence::EvidenceTable;
-use compass_core::pose::locate::{self, Fix};
-use compass_core::descriptor::matching::{self, Board, Group, Index};
+use compass_core::base::confidence::Confidence;
+use compass_core::base::ladder;
 use compass_core::base::num::{BINS, Point, Turn};
-use compass_core::map::plan::{self, Frame, MarchError, Plan};
 use compass_core::base::raster::{BitMask, GrayImage, RgbImage};
 use compass_core::base::scan::{Hit, Scan};
+use compass_core::descriptor::matching::{self, Board, Group, Index};
+use compass_core::descriptor::signature::Signature;
+use compass_core::descriptor::similarity::{Candidate, Peak, Profile, Query};
+use compass_core::descriptor::sketch::{Sketch, SketchQuery};
+use compass_core::descriptor::spectrum::{self, Correlator, Extent};
+use compass_core::descriptor::windows as paper;
+use compass_core::descriptor::{Descriptor, channels};
+use compass_core::map::plan::{self, Frame, MarchError, Plan};
+use compass_core::map::site::{self, Floor, Site};
+use compass_core::map::site_map::{self, Header, Layer, LayerView, PackedScan, Record, Sink, SiteMap};
+use compass_core::pose::evidence;
+use compass_core::pose::evidence::EvidenceTable;
+use compass_core::pose::heights::HeightMemory;
+use compass_core::pose::locate::{self, Fix};
+use compass_core::pose::track::Track;
+use compass_core::pose::wall_check;
+use compass_core::pose::{self, FloorLayer, Rows, ScoredPose};
+use compass_core::vision::attitude::{self, Arc, Axes, Vertical};
+use compass_core::vision::boundary::{BoundaryEvidence, BoundaryFinder, RangeLikelihoods};
+use compass_core::vision::camera::{Camera, Equidistant, Eucm, KannalaBrandt, Rig, View};
+use compass_core::vision::level_frame::LevelFrame;
+use compass_core::vision::panorama::Resolution;
 use compass_core::vision::segments;
 use compass_core::vision::shot::{self, Shot};
 use compass_core::vision::visual_scan;
-use compass_core::descriptor::signature::Signature;
-use compass_core::descriptor::similarity::{Candidate, Peak, Profile, Query};
-use compass_core::base::confidence::Confidence;
-use compass_core::map::site::{self, Floor, Site};
-use compass_core::map::site_map::{self, Header, Layer, LayerView, PackedScan, Record, Sink, SiteMap};
-use compass_core::descriptor::sketch::{Sketch, SketchQuery};
-use compass_core::descriptor::spectrum::{self, Correlator, Extent};
-use compass_core::pose::track::Track;
-use compass_core::pose::heights::HeightMemory;
-use compass_core::vision::windows::{self, Edge, WindowFinder, Upright, Window};
-use compass_core::vision::level_frame::LevelFrame;
-use compass_core::vision::panorama::Resolution;
-use compass_core::base::ladder;
-use compass_core::descriptor::windows as paper;
-use compass_core::pose::evidence;
+use compass_core::vision::windows::{self, Edge, Upright, Window, WindowFinder};
 
 /// Headings of the search under evidence.
 const HEADINGS: usize = 90;

@@ -8,17 +8,17 @@
 #![no_std]
 #![no_main]
 
+use compass_core::base::confidence::Confidence;
+use compass_core::base::num::{BINS, Score, Turn};
+use compass_core::base::scan::Scan;
 use compass_core::descriptor::Descriptor;
 use compass_core::descriptor::matching::{Board, Match, shortlist};
-use compass_core::base::num::{BINS, Score, Turn};
-use compass_core::map::plan::Plan;
-use compass_core::base::scan::Scan;
 use compass_core::descriptor::similarity::{Candidate, Query, Similarity, Weights};
-use compass_core::base::confidence::Confidence;
-use compass_core::map::site::Site;
-use compass_core::map::site_map::SiteMap;
 use compass_core::descriptor::sketch::{Sketch, SketchQuery};
 use compass_core::descriptor::spectrum::{Complex, Correlator, Extent, MAX_POINTS, forward, inverse};
+use compass_core::map::plan::Plan;
+use compass_core::map::site::Site;
+use compass_core::map::site_map::SiteMap;
 use compass_firmware::files::{self, refuse};
 use compass_firmware::{counter::Counter, stack};
 use core::hint::black_box;
@@ -201,7 +201,9 @@ impl Bench<'_> {
         let map = self.map;
         let candidates = map.len() as u64;
         let (sketch, new) = self.counter.count(|| SketchQuery::new(black_box(&work.query)));
-        let (_, all) = self.counter.count(|| map.iter().map(|record| sketch.rank(&Sketch::stored(&record.plan_layer()))).max());
+        let (_, all) = self
+            .counter
+            .count(|| map.iter().map(|record| sketch.rank(&Sketch::stored(&record.plan_layer()))).max());
         figure("ranking", all / candidates, Some(RANKING_LIMIT));
         part("query_sketch", new);
         let (answer, search) = self

@@ -9,45 +9,47 @@
 #![no_std]
 #![no_main]
 
-use compass_board::Error;
-use compass_core::pose::FloorLayer;
+use compass_core::locator::{Error, Picture, Stage, Trace};
+use compass_core::map::site::Site;
 use compass_core::vision::shot::Shot;
-use compass_core::map::site::{MAX_FLOORS, Site};
-use compass_firmware::counter::Counter;
+use compass_firmware::counter::{self, Counter, Reading};
 use compass_firmware::files::{self, refuse};
-use compass_firmware::{image, stack};
-use compass_golden::{Chain, Meter};
+use compass_firmware::image;
+use compass_firmware::stack;
+use compass_golden::Shots;
 use core::iter;
 use cortex_m_rt::entry;
-use heapless::Vec;
 use semihosting::{println, process};
 
-/// Layers of all floors.
-const MAX_SHEETS: usize = 2 * MAX_FLOORS;
-
-/// Counts each step, and prints what it took.
-struct Steps {
+/// Counts each stage, and prints what it took.
+struct Costs {
     counter: Counter,
+    start: Option<Reading>,
     instructions: u64,
-    /// Most of any step so far, that of its callers included.
+    /// Most of any stage so far.
     stack: usize,
 }
 
-impl Meter for Steps {
-    fn step<T>(&mut self, name: &'static str, work: impl FnOnce() -> T) -> T {
-        let ((value, instructions), stack) = stack::below(|| self.counter.count(work));
+impl Trace for Costs {
+    fn begin(&mut self, _: Stage) {
+        stack::paint();
+        self.start = Some(counter::now());
+    }
+
+    fn end(&mut self, stage: Stage, _: Picture<'_>) {
+        let Some(start) = self.start else { return };
+        let (instructions, name) = (self.counter.since(start), stage.name());
+        let stack = stack::high_water_mark();
         println!("insns {name} {instructions}");
         println!("stack {name} {stack}");
         self.instructions += instructions;
-        self.stack = self.stack.max(stack::depth() + stack);
-        value
+        self.stack = self.stack.max(stack);
     }
 }
 
 #[entry]
 fn main() -> ! {
-    static mut CHAIN: Chain = Chain::new();
-    static mut SHEETS: Vec<FloorLayer<'static>, MAX_SHEETS> = Vec::new();
+    static mut SHOTS: Shots = Shots::new();
     let arguments = files::arguments();
     let mut paths = (&arguments).skip(1).flatten();
     let mut next = || paths.next().unwrap_or_else(|| refuse("usage", &"-append \"SITE SHOT...\""));
@@ -56,41 +58,35 @@ fn main() -> ! {
     let (bytes, memory) = files::read(path, unsafe { files::external() });
     let site = Site::new(bytes).and_then(|site| site.verify().map(|()| site));
     let site = site.unwrap_or_else(|error| refuse(path, &error));
-    SHEETS.extend(compass_board::layers(&site));
-    let mut steps = Steps { counter: Counter::start(), instructions: 0, stack: 0 };
+    let mut costs = Costs { counter: Counter::start(), start: None, instructions: 0, stack: 0 };
     let mut known = true;
     for path in iter::once(first).chain(paths) {
         let (bytes, _) = files::read(path, memory);
         let shot = Shot::new(bytes).and_then(|shot| shot.verify().map(|()| shot));
         let shot = shot.unwrap_or_else(|error| refuse(path, &error));
         println!("shot {path}");
-        known &= localize(CHAIN, SHEETS, &shot, &mut steps).unwrap_or_else(|error| refuse(path, &error));
+        known &= localize(SHOTS, &site, &shot, &mut costs).unwrap_or_else(|error| refuse(path, &error));
     }
     let image = image::sizes();
     println!("flash code {}", image.code);
     println!("flash constants {}", image.constants);
     println!("ram static {}", image.variables);
-    println!("ram stack {}", steps.stack);
-    println!("ram pose {}", image.variables + steps.stack);
+    println!("ram stack {}", costs.stack);
+    println!("ram pose {}", image.variables + costs.stack);
     process::exit(i32::from(!known))
 }
 
 /// Whether the pose of what the cameras took is known.
-fn localize(
-    chain: &mut Chain,
-    layers: &[FloorLayer<'_>],
-    shot: &Shot<'_>,
-    steps: &mut Steps,
-) -> Result<bool, Error> {
-    steps.instructions = 0;
-    let found = match chain.run(layers, shot, steps) {
+fn localize(shots: &mut Shots, site: &Site<'_>, shot: &Shot<'_>, costs: &mut Costs) -> Result<bool, Error> {
+    costs.instructions = 0;
+    let located = match shots.locate(site, shot, costs) {
         Err(error @ Error::Up) => {
             println!("pose none: {error}");
             return Ok(false);
         }
-        found => found?,
+        located => located?,
     };
-    println!("insns pose {}", steps.instructions);
-    println!("{found}");
-    Ok(found.is_known())
+    println!("insns pose {}", costs.instructions);
+    println!("{located}");
+    Ok(located.is_known())
 }
