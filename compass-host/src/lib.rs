@@ -3,8 +3,7 @@
 
 pub mod as_built;
 pub mod calibration;
-mod clock;
-pub mod commands;
+pub mod clock;
 pub mod compare;
 pub mod cross_modal;
 pub mod dataset;

@@ -1,7 +1,9 @@
 //! The `compass` command.
 
+mod cli;
+
 use clap::Parser as _;
-use compass_host::commands::{Cli, Outcome};
+use cli::{Cli, Outcome};
 use compass_host::eyes::EyesError;
 use std::process::ExitCode;
 

@@ -164,8 +164,8 @@ pub fn progress(len: usize, what: &'static str) -> ProgressBar {
 }
 
 /// Bytes in memory, as the core writes them.
-#[derive(Default)]
-pub(crate) struct Bytes(pub(crate) Vec<u8>);
+#[derive(Debug, Default)]
+pub struct Bytes(pub Vec<u8>);
 
 impl Sink for Bytes {
     type Error = std::convert::Infallible;

@@ -1,21 +1,21 @@
 //! `compass map build`: a plan becomes a site file of one floor.
 
-use crate::commands::Outcome;
-use crate::commands::plan::{PlanArgs, finite};
-use crate::interior::CLEARANCE_M;
-use crate::output::{Decimal, JsonOption, write_file};
-use crate::plan_import::PlanRaster;
-use crate::plan_import::structure::{DEFAULT_THICKNESS_M, StructureError, keep_structure};
-use crate::site::{BuildOptions, PackedPlan};
-use crate::site_file::floor_bytes;
+use crate::cli::Outcome;
+use crate::cli::plan::{PlanArgs, finite};
 use anyhow::{Context as _, Result};
 use compass_core::map::site::{MAX_NAME_BYTES, Site, is_name};
+use compass_host::interior::CLEARANCE_M;
+use compass_host::output::{Decimal, JsonOption, write_file};
+use compass_host::plan_import::PlanRaster;
+use compass_host::plan_import::structure::{DEFAULT_THICKNESS_M, StructureError, keep_structure};
+use compass_host::site::{BuildOptions, PackedPlan};
+use compass_host::site_file::floor_bytes;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 #[derive(Debug, clap::Args)]
-pub(in crate::commands) struct Build {
+pub(in crate::cli) struct Build {
     #[command(flatten)]
     plan: PlanArgs,
     /// Name of the floor, at most 23 bytes [default: the plan's file name without its extension]

@@ -1,15 +1,15 @@
 //! `compass map join`: the floors of several site files in one.
 
-use crate::commands::Outcome;
-use crate::output::{JsonOption, write_file};
-use crate::site_file::{SiteFile, site_bytes};
+use crate::cli::Outcome;
 use anyhow::{Context as _, Result, bail};
 use compass_core::map::site::Floor;
+use compass_host::output::{JsonOption, write_file};
+use compass_host::site_file::{SiteFile, site_bytes};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
-pub(in crate::commands) struct Join {
+pub(in crate::cli) struct Join {
     /// Site files whose floors have different names
     #[arg(value_name = "FILE", required = true)]
     files: Vec<PathBuf>,

@@ -1,25 +1,25 @@
 //! The second half of the demo: from two rendered frames to a pose.
 
-use crate::calibration::{Calibration, NOMINAL_YAML};
-use crate::commands::debug::Found;
-use crate::commands::localize::{Pose, pose_of};
-use crate::commands::pictures;
-use crate::dataset::tum;
-use crate::eyes::{Eyes, Mount};
-use crate::frame::Frame;
-use crate::locator::Locator;
-use crate::output::{Decimal, create_dir, write_file, write_png};
-use crate::plan_import::PlanRaster;
-use crate::plan_import::structure::{DEFAULT_THICKNESS_M, keep_structure};
-use crate::report::{Picture, Section, Table};
-use crate::sample::FRAME_POSE;
-use crate::simulate::{Scene, SceneOptions, render};
-use crate::site::{BuildOptions, PackedPlan};
-use crate::site_file::{SiteFile, floor_bytes};
-use crate::surroundings::Surroundings;
+use crate::cli::debug::Found;
+use crate::cli::localize::{Pose, pose_of};
+use crate::cli::pictures;
 use anyhow::{Context as _, Result};
 use compass_core::pose::locate::HeightPrior;
 use compass_core::vision::boundary::RangeLikelihoods;
+use compass_host::calibration::{Calibration, NOMINAL_YAML};
+use compass_host::dataset::tum;
+use compass_host::eyes::{Eyes, Mount};
+use compass_host::frame::Frame;
+use compass_host::locator::Locator;
+use compass_host::output::{Decimal, create_dir, write_file, write_png};
+use compass_host::plan_import::PlanRaster;
+use compass_host::plan_import::structure::{DEFAULT_THICKNESS_M, keep_structure};
+use compass_host::report::{Picture, Section, Table};
+use compass_host::sample::FRAME_POSE;
+use compass_host::simulate::{Scene, SceneOptions, render};
+use compass_host::site::{BuildOptions, PackedPlan};
+use compass_host::site_file::{SiteFile, floor_bytes};
+use compass_host::surroundings::Surroundings;
 use std::path::Path;
 use std::time::Instant;
 

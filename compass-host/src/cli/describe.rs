@@ -3,12 +3,12 @@
 use super::Outcome;
 use super::pictures;
 use super::plan::{PlanArgs, finite, pair};
-use crate::compare::float_levels;
-use crate::output::{Decimal, JsonOption, decimals};
-use crate::reference;
 use anyhow::{Context as _, Result, anyhow};
 use compass_core::base::scan::Hit;
 use compass_core::descriptor::Descriptor;
+use compass_host::compare::float_levels;
+use compass_host::output::{Decimal, JsonOption, decimals};
+use compass_host::reference;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::PathBuf;

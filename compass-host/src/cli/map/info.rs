@@ -1,16 +1,16 @@
 //! `compass map info`: what is in a site file.
 
-use crate::commands::Outcome;
-use crate::output::{Decimal, JsonOption};
-use crate::site_file::{SiteFile, SiteFloor};
+use crate::cli::Outcome;
 use anyhow::Result;
 use compass_core::map::site_map::SiteMap;
+use compass_host::output::{Decimal, JsonOption};
+use compass_host::site_file::{SiteFile, SiteFloor};
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
-pub(in crate::commands) struct Info {
+pub(in crate::cli) struct Info {
     /// A site file, or a plain site map
     file: PathBuf,
     #[command(flatten)]

@@ -1,17 +1,17 @@
 //! The pose of camera frames.
 
 use super::{Pose, milliseconds};
-use crate::as_built::{Walls, WallsSeen};
-use crate::clock::Clock;
-use crate::commands::Outcome;
-use crate::commands::cameras::{CameraArgs, Cameras};
-use crate::locator::Locator;
-use crate::output::{Decimal, JsonOption};
-use crate::site_file::{SiteFile, SiteFloor};
+use crate::cli::Outcome;
+use crate::cli::cameras::{CameraArgs, Cameras};
 use anyhow::{Context as _, Result};
 use compass_core::base::ladder::height_rungs;
 use compass_core::pose::locate::HeightPrior;
 use compass_core::pose::{FloorLayer, ScoredPose};
+use compass_host::as_built::{Walls, WallsSeen};
+use compass_host::clock::Clock;
+use compass_host::locator::Locator;
+use compass_host::output::{Decimal, JsonOption};
+use compass_host::site_file::{SiteFile, SiteFloor};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -144,7 +144,7 @@ fn storey<'s, 'a>(
 }
 
 /// A mode as it is reported, with the floor where there are several.
-pub(in crate::commands) fn pose_of<'a>(mode: &ScoredPose, floor: Option<&'a str>) -> Pose<'a> {
+pub(in crate::cli) fn pose_of<'a>(mode: &ScoredPose, floor: Option<&'a str>) -> Pose<'a> {
     Pose {
         floor,
         x: Decimal(mode.at.x.to_num()),

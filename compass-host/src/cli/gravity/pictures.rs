@@ -1,14 +1,14 @@
 //! The segments by the vanishing point they belong to (paper: roll and pitch).
 
-use crate::eyes::Eyes;
-use crate::figures::{self, Layer};
-use crate::frame::Frame;
-use crate::output::create_dir;
 use anyhow::Result;
 use compass_core::vision::attitude::{Arc, Axes};
 use compass_core::vision::camera::{Bearing, View};
 use compass_core::vision::level_frame::LevelFrame;
 use compass_core::vision::segments::Segment;
+use compass_host::eyes::Eyes;
+use compass_host::figures::{self, Layer};
+use compass_host::frame::Frame;
+use compass_host::output::create_dir;
 use plotters::style::RGBColor;
 use std::path::Path;
 

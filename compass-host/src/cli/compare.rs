@@ -2,11 +2,11 @@
 
 use super::Outcome;
 use super::plan::{PlanArgs, sample};
-use crate::calibration::{CalibratedCamera, Calibration};
-use crate::compare::{Stage, camera, compare, segments, sight};
-use crate::output::{Decimal, JsonOption};
 use anyhow::{Context as _, Result};
 use compass_core::vision::camera::Camera;
+use compass_host::calibration::{CalibratedCamera, Calibration};
+use compass_host::compare::{Stage, camera, compare, segments, sight};
+use compass_host::output::{Decimal, JsonOption};
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::PathBuf;

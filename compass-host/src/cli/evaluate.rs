@@ -2,20 +2,22 @@
 
 use super::Outcome;
 use super::cameras::height;
-use crate::as_built::WallsSeen;
-use crate::calibration::Calibration;
-use crate::dataset::recording::{Recording, Shot, Source, Topics};
-use crate::dataset::trajectory::Trajectory;
-use crate::dataset::tum::{self, Pose};
-use crate::evaluate::report::{self, Shown, Story};
-use crate::evaluate::sequence::Followed;
-use crate::evaluate::{Found, Job, Journal, Judge, Misses, PAPER, Record, Row, localize, sequence, worst};
-use crate::eyes::Mount;
-use crate::locator::Locator;
-use crate::output::{Decimal, JsonOption, create_dir, write_file};
-use crate::site_file::{SiteFile, SiteFloor};
 use anyhow::{Context as _, Result, bail};
 use compass_core::pose::track::Estimate;
+use compass_host::as_built::WallsSeen;
+use compass_host::calibration::Calibration;
+use compass_host::dataset::recording::{Recording, Shot, Source, Topics};
+use compass_host::dataset::trajectory::Trajectory;
+use compass_host::dataset::tum::{self, Pose};
+use compass_host::evaluate::report::{self, Shown, Story};
+use compass_host::evaluate::sequence::Followed;
+use compass_host::evaluate::{
+    Found, Job, Journal, Judge, Misses, PAPER, Record, Row, localize, sequence, worst,
+};
+use compass_host::eyes::Mount;
+use compass_host::locator::Locator;
+use compass_host::output::{Decimal, JsonOption, create_dir, write_file};
+use compass_host::site_file::{SiteFile, SiteFloor};
 use std::collections::{BTreeMap, HashMap};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -141,7 +143,7 @@ impl Evaluate {
         let read =
             |path: &Path| std::fs::read(path).with_context(|| format!("{}: cannot be read", path.display()));
         let options = format!("{:?} {:?} {:?}", self.mount, self.camera_height, self.floor);
-        let common = crate::evaluate::Fingerprint::new()
+        let common = compass_host::evaluate::Fingerprint::new()
             .of(file.as_bytes())
             .of(&read(&self.calib)?)
             .of(&read(&self.groundtruth)?)

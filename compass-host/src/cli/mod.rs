@@ -23,7 +23,7 @@ use clap::{Parser, Subcommand};
 /// Where am I in this building? All it takes is the architect's floor plan.
 #[derive(Debug, Parser)]
 #[command(name = "compass", version, about)]
-pub struct Cli {
+pub(crate) struct Cli {
     #[command(subcommand)]
     command: Command,
 }
@@ -61,7 +61,7 @@ enum Command {
 
 /// What the work came to; its exit status is 0 or 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Outcome {
+pub(crate) enum Outcome {
     /// Done.
     Done,
     /// Done, and the answer is "no".
@@ -73,7 +73,7 @@ impl Cli {
     ///
     /// # Errors
     /// Bad input, with one line that names the thing and the place.
-    pub fn run(&self) -> anyhow::Result<Outcome> {
+    pub(crate) fn run(&self) -> anyhow::Result<Outcome> {
         match &self.command {
             Command::Demo(command) => command.run(),
             Command::Describe(command) => command.run(),

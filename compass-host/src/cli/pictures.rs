@@ -2,11 +2,11 @@
 
 use super::describe::Described;
 use super::localize::Pose;
-use crate::figures::{self, MapPose, PlanPicture, Scores, SiteMapPicture};
-use crate::output::create_dir;
-use crate::plan_import::PlanRaster;
 use anyhow::Result;
 use compass_core::map::site_map::SiteMap;
+use compass_host::figures::{self, MapPose, PlanPicture, Scores, SiteMapPicture};
+use compass_host::output::create_dir;
+use compass_host::plan_import::PlanRaster;
 use std::path::Path;
 
 /// Calls `draw` with the plan as the figures want it.

@@ -1,14 +1,14 @@
 //! The options that every command with camera frames shares.
 
 use super::plan::{finite, pair};
-use crate::calibration::Calibration;
-use crate::dataset::imu::{Gravity, Readings};
-use crate::eyes::{Eyes, EyesError, Mount};
-use crate::frame::Frame;
-use crate::up::{UpFrom, UpSources};
 use anyhow::{Result, bail};
 use compass_core::base::ladder::HEIGHTS_M;
 use compass_core::vision::camera::{Bearing, Rig};
+use compass_host::calibration::Calibration;
+use compass_host::dataset::imu::{Gravity, Readings};
+use compass_host::eyes::{Eyes, EyesError, Mount};
+use compass_host::frame::Frame;
+use compass_host::up::{UpFrom, UpSources};
 use std::path::PathBuf;
 
 /// A calibration and the frames of one or two cameras.

@@ -1,8 +1,8 @@
 //! The result of an evaluation for people and programs.
 
-use crate::as_built::WallsSeen;
-use crate::evaluate::{Found, Misses, Row};
-use crate::output::Decimal;
+use compass_host::as_built::WallsSeen;
+use compass_host::evaluate::{Found, Misses, Row};
+use compass_host::output::Decimal;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;

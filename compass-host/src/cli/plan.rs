@@ -1,10 +1,10 @@
 //! The options that every command with a plan shares.
 
-use crate::plan_import::structure::keep_structure;
-use crate::plan_import::{self, PlanOptions, PlanRaster};
-use crate::site::PackedPlan;
 use anyhow::{Context as _, Result, bail};
 use compass_core::base::scan::Scan;
+use compass_host::plan_import::structure::keep_structure;
+use compass_host::plan_import::{self, PlanOptions, PlanRaster};
+use compass_host::site::PackedPlan;
 use std::path::{Path, PathBuf};
 
 /// How a plan file is read.
@@ -125,7 +125,7 @@ pub(super) fn finite(text: &str) -> Result<f64, String> {
 
 /// The sample building as a plan.
 pub(super) fn sample() -> Result<(PlanRaster, PackedPlan)> {
-    let raster = PlanRaster::from(crate::sample::building());
+    let raster = PlanRaster::from(compass_host::sample::building());
     let packed = PackedPlan::new(&raster)?;
     Ok((raster, packed))
 }

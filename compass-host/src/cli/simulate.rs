@@ -2,14 +2,14 @@
 
 use super::Outcome;
 use super::plan::{PlanArgs, finite, size};
-use crate::calibration::{Calibration, NOMINAL_YAML};
-use crate::dataset::tum::{self, Pose};
-use crate::output::{Decimal, JsonOption, write_file, write_png};
-use crate::plan_import::PlanRaster;
-use crate::simulate::dataset::{self, Format};
-use crate::simulate::{Renderer, Scene, SceneOptions};
 use anyhow::{Result, bail};
 use compass_core::vision::camera::Rig;
+use compass_host::calibration::{Calibration, NOMINAL_YAML};
+use compass_host::dataset::tum::{self, Pose};
+use compass_host::output::{Decimal, JsonOption, write_file, write_png};
+use compass_host::plan_import::PlanRaster;
+use compass_host::simulate::dataset::{self, Format};
+use compass_host::simulate::{Renderer, Scene, SceneOptions};
 use serde::Serialize;
 use std::collections::BTreeSet;
 use std::path::PathBuf;

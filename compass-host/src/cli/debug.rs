@@ -1,12 +1,5 @@
 //! The pictures of `--debug-dir`: what was found in camera frames, and what was considered.
 
-use crate::compare::float_levels;
-use crate::eyes::Eyes;
-use crate::figures::{self, Layer, PanoramaPicture, RingPicture};
-use crate::frame::Frame;
-use crate::output::create_dir;
-use crate::paper_finder::PaperFinder;
-use crate::surroundings::Surroundings;
 use anyhow::Result;
 use compass_core::base::raster::GrayImage;
 use compass_core::base::scan::{STEPS_PER_METRE, Scan};
@@ -16,6 +9,13 @@ use compass_core::vision::camera::{Pixel, View};
 use compass_core::vision::level_frame::{LevelFrame, NOMINAL_RANGE_M};
 use compass_core::vision::segments::Segment;
 use compass_core::vision::windows::{Window, WindowEvidence};
+use compass_host::compare::float_levels;
+use compass_host::eyes::Eyes;
+use compass_host::figures::{self, Layer, PanoramaPicture, RingPicture};
+use compass_host::frame::Frame;
+use compass_host::output::create_dir;
+use compass_host::paper_finder::PaperFinder;
+use compass_host::surroundings::Surroundings;
 use plotters::style::RGBColor;
 use std::path::Path;
 

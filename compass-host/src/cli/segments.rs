@@ -1,10 +1,10 @@
 //! `compass segments`: the line segments of one image.
 
 use super::{Outcome, debug};
-use crate::frame::{Frame, SegmentDetector};
-use crate::output::{Decimal, JsonOption, write_file};
 use anyhow::{Context as _, Result};
 use compass_core::vision::segments::{Detected, Parameters, Segment};
+use compass_host::frame::{Frame, SegmentDetector};
+use compass_host::output::{Decimal, JsonOption, write_file};
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::PathBuf;
