@@ -1,7 +1,6 @@
 //! The host side of COMPASS: plans and datasets in, site maps, poses, figures and reports out, and the
 //! float reference that `compass-core` is checked against.
 
-pub mod as_built;
 pub mod calibration;
 pub mod clock;
 pub mod compare;
@@ -18,13 +17,16 @@ pub mod locator;
 pub mod noise;
 pub mod output;
 pub mod paper_finder;
+pub mod plan_descriptor;
 pub mod plan_import;
+pub mod progress;
 pub mod reference;
 pub mod report;
 pub mod sample;
 pub mod simulate;
 pub mod site;
 pub mod site_file;
-pub mod surroundings;
 pub mod up;
+pub mod visual_descriptor;
+pub mod wall_check;
 mod wide;

@@ -1,12 +1,13 @@
 //! The options that every command with camera frames shares.
 
 use super::plan::{finite, pair};
+use super::up::{MountOption, UpFromOption};
 use anyhow::{Result, bail};
 use compass_core::base::ladder::HEIGHTS_M;
 use compass_core::vision::camera::{Bearing, Rig};
 use compass_host::calibration::Calibration;
 use compass_host::dataset::imu::{Gravity, Readings};
-use compass_host::eyes::{Eyes, EyesError, Mount};
+use compass_host::eyes::{Eyes, EyesError};
 use compass_host::frame::Frame;
 use compass_host::up::{UpFrom, UpSources};
 use std::path::PathBuf;
@@ -40,8 +41,8 @@ pub(super) struct UpArg {
     up: Option<[f64; 3]>,
     /// Which side of cam0's image is up, within 45 degrees, where it is not told by --up; a wrong one gives a mirrored
     /// answer
-    #[arg(long, value_enum, default_value_t = Mount::Auto)]
-    mount: Mount,
+    #[arg(long, value_enum, default_value_t = MountOption::Auto)]
+    mount: MountOption,
 }
 
 impl UpArg {
@@ -53,7 +54,7 @@ impl UpArg {
     /// The up vector as it is given, or from the image or what else there is.
     fn with(&self, from: UpFrom, imu: Option<Gravity>) -> Up {
         let given = self.up.map(|[x, y, z]| Bearing::new(x as f32, y as f32, z as f32));
-        Up { given, sources: UpSources { from, mount: self.mount, imu } }
+        Up { given, sources: UpSources { from, mount: self.mount.into(), imu } }
     }
 }
 
@@ -69,12 +70,12 @@ struct ImuArgs {
     imu_seconds: Option<[f64; 2]>,
     /// What tells up; both: the image, near where the IMU says [default: both with --imu, else image]
     #[arg(long, value_enum, conflicts_with = "up")]
-    up_from: Option<UpFrom>,
+    up_from: Option<UpFromOption>,
 }
 
 impl ImuArgs {
     fn source(&self) -> Result<UpFrom> {
-        match (self.up_from, &self.imu) {
+        match (self.up_from.map(UpFrom::from), &self.imu) {
             (None, None) => Ok(UpFrom::Image),
             (None, Some(_)) => Ok(UpFrom::Both),
             (Some(UpFrom::Imu | UpFrom::Both), None) => {
@@ -88,7 +89,7 @@ impl ImuArgs {
     fn load(&self, calibration: &Calibration) -> Result<Option<Gravity>> {
         let Some(path) = &self.imu else { return Ok(None) };
         let gravity = Readings::read(path)?.gravity(self.imu_seconds)?;
-        let Some(gravity) = calibration.in_cam0(&gravity) else {
+        let Some(gravity) = gravity.in_cam0(calibration) else {
             bail!("{}: cam0.T_cam_imu: missing, and --imu needs it", calibration.path.display());
         };
         Ok(Some(gravity))

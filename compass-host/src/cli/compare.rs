@@ -2,11 +2,13 @@
 
 use super::Outcome;
 use super::plan::{PlanArgs, sample};
+use super::progress::Bars;
+use crate::cli::json::JsonOption;
 use anyhow::{Context as _, Result};
 use compass_core::vision::camera::Camera;
 use compass_host::calibration::{CalibratedCamera, Calibration};
-use compass_host::compare::{Stage, camera, compare, segments, sight};
-use compass_host::output::{Decimal, JsonOption};
+use compass_host::compare::{Stage, camera, compare_with_progress, segments, sight};
+use compass_host::output::Decimal;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -72,7 +74,8 @@ impl Compare {
         let (raster, plan) = if self.plan.path().is_some() { self.plan.load()? } else { sample()? };
         let name = || self.plan.path().map_or_else(|| "sample building".into(), |p| p.display().to_string());
         let lenses = self.lenses()?;
-        let mut stages = compare(&raster, &plan, self.poses as usize, self.seed).with_context(name)?;
+        let mut stages = compare_with_progress(&raster, &plan, self.poses as usize, self.seed, &Bars)
+            .with_context(name)?;
         stages.extend(camera::stages(&lenses));
         stages.extend(segments::stages(&raster, self.seed).with_context(name)?);
         stages.extend(sight::stages(&raster, self.seed).with_context(name)?);

@@ -3,13 +3,14 @@
 use super::Outcome;
 use super::cameras::CameraArgs;
 use super::plan::{PlanArgs, finite, pair};
+use crate::cli::json::JsonOption;
 use anyhow::{Context as _, Result};
 use compass_core::base::num::BINS;
 use compass_core::base::scan::{Hit, Scan};
 use compass_core::vision::windows::WindowEvidence;
 use compass_host::cross_modal::CrossModal;
 use compass_host::figures::{self, Curve, HitComparison, Shifts};
-use compass_host::output::{Decimal, JsonOption, create_dir};
+use compass_host::output::{Decimal, create_dir};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 

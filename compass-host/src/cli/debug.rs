@@ -15,7 +15,7 @@ use compass_host::figures::{self, Layer, PanoramaPicture, RingPicture};
 use compass_host::frame::Frame;
 use compass_host::output::create_dir;
 use compass_host::paper_finder::PaperFinder;
-use compass_host::surroundings::Surroundings;
+use compass_host::visual_descriptor::VisualDescriptor;
 use plotters::style::RGBColor;
 use std::path::Path;
 
@@ -39,7 +39,7 @@ pub(super) struct Found<'a> {
     pub(super) windows: &'a [Window],
     pub(super) sighting: &'a WindowEvidence,
     /// What it comes to in metres, if that was measured.
-    pub(super) surroundings: Option<&'a Surroundings>,
+    pub(super) surroundings: Option<&'a VisualDescriptor>,
     /// What the plan says, if there is one.
     pub(super) plan: Option<&'a Scan>,
 }
@@ -76,7 +76,11 @@ impl Found<'_> {
         Ok(())
     }
 
-    fn draw_panorama(&self, path: &Path, Surroundings { height, ranges, .. }: &Surroundings) -> Result<()> {
+    fn draw_panorama(
+        &self,
+        path: &Path,
+        VisualDescriptor { height, ranges, .. }: &VisualDescriptor,
+    ) -> Result<()> {
         let resolution = self.eyes.resolution();
         let corners = |w: &Window| {
             [w.azimuth_deg(resolution), w.elevation_deg(resolution)].map(|pair| pair.map(f64::from))
@@ -106,7 +110,7 @@ impl Found<'_> {
     }
 
     /// What was seen as a descriptor, unknown bins left out, and the plan's below it.
-    fn draw_descriptors(&self, path: &Path, surroundings: &Surroundings) -> Result<()> {
+    fn draw_descriptors(&self, path: &Path, surroundings: &VisualDescriptor) -> Result<()> {
         let mut seen = float_levels(&Descriptor::from(&surroundings.scan));
         for channel in &mut seen {
             let known = surroundings.confidence.sixteenths().iter().map(|c| *c > 0);

@@ -1,9 +1,10 @@
 //! `compass demo`: the whole pipeline on the bundled sample building.
 
 use super::Outcome;
-use super::describe::Described;
-use super::localize::Pose;
+use super::pose::Pose;
+use super::progress::Bars;
 use super::{pictures, plan};
+use crate::cli::json::JsonOption;
 use anyhow::{Context as _, Result};
 use compass_core::base::confidence::Confidence;
 use compass_core::base::scan::Scan;
@@ -15,11 +16,12 @@ use compass_core::map::site_map::SiteMap;
 use compass_host::figures::{self, Curve, HitComparison, Scores, Shifts};
 use compass_host::localizer::{Localizer, MatchOptions};
 use compass_host::noise::disturb;
-use compass_host::output::{Decimal, JsonOption, create_dir, write_png};
+use compass_host::output::{Decimal, create_dir, write_png};
+use compass_host::plan_descriptor::PlanDescriptor;
 use compass_host::plan_import::PlanRaster;
 use compass_host::report::{Picture, Section, Table, write_html};
 use compass_host::sample::{self, DEMO_POSE};
-use compass_host::site::{BuildOptions, PackedPlan, build};
+use compass_host::site::{BuildOptions, PackedPlan, build_with_progress};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -27,7 +29,7 @@ use std::time::Instant;
 /// Disturbance of the demo's query.
 const NOISE: f64 = 1.0;
 
-mod seen;
+mod from_frames;
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Demo {
@@ -76,7 +78,7 @@ impl Run {
     fn new() -> Result<Self> {
         let (raster, plan) = plan::sample()?;
         let started = Instant::now();
-        let map = build(&raster, &plan, None, &BuildOptions::default())?;
+        let map = build_with_progress(&raster, &plan, None, &BuildOptions::default(), &Bars)?;
         let build_seconds = started.elapsed().as_secs_f64();
         let (at, heading) = DEMO_POSE;
         let clean = plan.scan(at, heading)?;
@@ -111,7 +113,7 @@ impl Demo {
         let Some(found) = poses.first().copied() else { return Ok(Outcome::No) };
         let report = self.out.join("report.html");
         draw(&self.out, &run, &poses)?;
-        let seen = seen::run(&self.out.join("seen"), &run.raster, &run.plan)?;
+        let seen = from_frames::run(&self.out.join("seen"), &run.raster, &run.plan)?;
         let mut sections = sections(&run, &poses);
         sections.insert(0, seen.section());
         write_html(&report, "COMPASS on its sample building", &sections)?;
@@ -153,7 +155,7 @@ fn draw(dir: &Path, run: &Run, poses: &[Pose<'_>]) -> Result<()> {
     let (at, heading) = DEMO_POSE;
     // For the other commands to read.
     write_png(&dir.join("sample-building.png"), &sample::image(&sample::building()))?;
-    pictures::describe(dir, &run.raster, at, heading, &Described::fixed(&run.clean))?;
+    pictures::describe(dir, &run.raster, at, heading, &PlanDescriptor::from(&run.clean))?;
     let matched = matched_scan(run)?;
     let curves = curves(run)?;
     let [plain, centred] = curves;

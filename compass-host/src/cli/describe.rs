@@ -3,11 +3,10 @@
 use super::Outcome;
 use super::pictures;
 use super::plan::{PlanArgs, finite, pair};
+use crate::cli::json::JsonOption;
 use anyhow::{Context as _, Result, anyhow};
-use compass_core::base::scan::Hit;
-use compass_core::descriptor::Descriptor;
-use compass_host::compare::float_levels;
-use compass_host::output::{Decimal, JsonOption, decimals};
+use compass_host::output::{Decimal, decimals};
+use compass_host::plan_descriptor::{self, PlanDescriptor, hit_name};
 use compass_host::reference;
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -39,45 +38,6 @@ enum Engine {
     Float,
 }
 
-/// Range, hit type and channels of one pose.
-pub(super) struct Described {
-    pub(super) range_m: [f64; 360],
-    pub(super) hit: [Hit; 360],
-    pub(super) channels: [[f64; 360]; 5],
-}
-
-impl Described {
-    /// From a scan of the core.
-    pub(super) fn fixed(scan: &compass_core::base::scan::Scan) -> Self {
-        Self {
-            range_m: scan.steps.map(|s| f64::from(s) * reference::march::STEP_M),
-            hit: scan.hit,
-            channels: float_levels(&Descriptor::from(scan)),
-        }
-    }
-
-    /// |dr/dtheta| per bin by central difference, in metres per degree.
-    pub(super) fn gradient_m(&self) -> [f64; 360] {
-        std::array::from_fn(|j| (self.range_m[(j + 1) % 360] - self.range_m[(j + 359) % 360]).abs() / 2.0)
-    }
-
-    fn count(&self, hit: Hit) -> usize {
-        self.hit.iter().filter(|&&h| h == hit).count()
-    }
-
-    fn stats(&self) -> Stats {
-        let changes = (0..360).filter(|&j| self.hit[j] != self.hit[(j + 1) % 360]).count();
-        Stats {
-            range_min: Decimal(self.range_m.iter().copied().fold(f64::MAX, f64::min)),
-            range_max: Decimal(self.range_m.iter().copied().fold(0.0, f64::max)),
-            window_bins: self.count(Hit::Window),
-            open_bins: self.count(Hit::Open),
-            segments: changes.max(1),
-            gradient_mean: Decimal(self.gradient_m().iter().sum::<f64>() / 360.0),
-        }
-    }
-}
-
 #[derive(Debug, Serialize)]
 struct Stats {
     range_min: Decimal,
@@ -88,6 +48,19 @@ struct Stats {
     gradient_mean: Decimal,
 }
 
+impl From<plan_descriptor::Stats> for Stats {
+    fn from(stats: plan_descriptor::Stats) -> Self {
+        Self {
+            range_min: Decimal(stats.range_min_m),
+            range_max: Decimal(stats.range_max_m),
+            window_bins: stats.window_bins,
+            open_bins: stats.open_bins,
+            segments: stats.segments,
+            gradient_mean: Decimal(stats.gradient_mean_m),
+        }
+    }
+}
+
 #[derive(Debug, Serialize)]
 struct Output {
     range_m: Vec<Decimal>,
@@ -96,21 +69,12 @@ struct Output {
     stats: Stats,
 }
 
-/// The name of a hit type in JSON.
-pub(super) const fn hit_name(hit: Hit) -> &'static str {
-    match hit {
-        Hit::Wall => "wall",
-        Hit::Window => "window",
-        Hit::Open => "open",
-    }
-}
-
 impl Describe {
     pub(super) fn run(&self) -> Result<Outcome> {
         let (raster, plan) = self.plan.load()?;
         let name = || self.plan.path().map_or_else(String::new, |p| p.display().to_string());
         let described = match self.engine {
-            Engine::Fixed => Described::fixed(&plan.scan(self.at, self.heading).with_context(name)?),
+            Engine::Fixed => PlanDescriptor::from(&plan.scan(self.at, self.heading).with_context(name)?),
             Engine::Float => {
                 let float = reference::Plan::new(
                     &raster.walls_mask(),
@@ -123,8 +87,7 @@ impl Describe {
                     let what = float.hit_at(x, y).map_or("outside the plan", |_| "inside a wall or glazing");
                     anyhow!("{}: at {x},{y}: position is {what}", name())
                 })?;
-                let channels = reference::descriptor(&scan);
-                Described { range_m: scan.range_m, hit: scan.hit, channels }
+                PlanDescriptor::from(&scan)
             }
         };
         if let Some(dir) = &self.figures {
@@ -134,7 +97,7 @@ impl Describe {
             range_m: decimals(described.range_m),
             hit: described.hit.map(hit_name).to_vec(),
             channels: described.channels.iter().map(|c| decimals(*c)).collect(),
-            stats: described.stats(),
+            stats: described.stats().into(),
         };
         self.json.emit(&output, &self.summary(&output.stats))?;
         Ok(Outcome::Done)

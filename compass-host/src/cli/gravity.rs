@@ -4,11 +4,12 @@ mod pictures;
 
 use super::Outcome;
 use super::cameras::{CameraArgs, Cameras};
+use crate::cli::json::JsonOption;
 use anyhow::{Context as _, Result, bail};
 use compass_core::vision::attitude::{Axes, Vertical};
 use compass_core::vision::camera::Bearing;
 use compass_core::vision::level_frame::LevelFrame;
-use compass_host::output::{Decimal, JsonOption, decimals};
+use compass_host::output::{Decimal, decimals};
 use compass_host::up::UpFrom;
 use serde::Serialize;
 use std::fmt::Write as _;

@@ -7,23 +7,30 @@ mod debug;
 mod demo;
 mod describe;
 mod evaluate;
+mod exit;
 mod gravity;
+mod json;
 mod localize;
 mod map;
 mod pack;
 mod pictures;
 mod plan;
+mod pose;
+mod progress;
 mod see;
 mod segments;
 mod simulate;
+mod up;
 mod windows;
 
 use clap::{Parser, Subcommand};
+use exit::Outcome;
+use std::process::ExitCode;
 
 /// Where am I in this building? All it takes is the architect's floor plan.
 #[derive(Debug, Parser)]
 #[command(name = "compass", version, about)]
-pub(crate) struct Cli {
+struct Cli {
     #[command(subcommand)]
     command: Command,
 }
@@ -59,21 +66,9 @@ enum Command {
     Simulate(simulate::Simulate),
 }
 
-/// What the work came to; its exit status is 0 or 1.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Outcome {
-    /// Done.
-    Done,
-    /// Done, and the answer is "no".
-    No,
-}
-
 impl Cli {
-    /// Runs the subcommand.
-    ///
-    /// # Errors
-    /// Bad input, with one line that names the thing and the place.
-    pub(crate) fn run(&self) -> anyhow::Result<Outcome> {
+    /// Runs the subcommand; an error names the thing at fault and the place.
+    fn run(&self) -> anyhow::Result<Outcome> {
         match &self.command {
             Command::Demo(command) => command.run(),
             Command::Describe(command) => command.run(),
@@ -90,4 +85,9 @@ impl Cli {
             Command::Simulate(command) => command.run(),
         }
     }
+}
+
+/// Runs the command line of the process.
+pub(crate) fn main() -> ExitCode {
+    exit::code(Cli::parse().run())
 }

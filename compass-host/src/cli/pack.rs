@@ -3,12 +3,12 @@
 use super::Outcome;
 use super::cameras::{CameraArgs, Taken};
 use super::plan::size;
+use crate::cli::json::JsonOption;
 use anyhow::{Context as _, Result, bail};
 use compass_core::base::raster::BitMask;
 use compass_core::vision::shot::{Header, Writer};
 use compass_host::frame::Frame;
-use compass_host::output::{Decimal, JsonOption, write_file};
-use compass_host::site::Bytes;
+use compass_host::output::{Bytes, Decimal, write_file};
 use image::RgbImage;
 use image::imageops::thumbnail;
 use serde::Serialize;

@@ -1,11 +1,11 @@
 //! The plan-side pictures of the paper, for `describe` and `demo`.
 
-use super::describe::Described;
-use super::localize::Pose;
+use super::pose::Pose;
 use anyhow::Result;
 use compass_core::map::site_map::SiteMap;
 use compass_host::figures::{self, MapPose, PlanPicture, Scores, SiteMapPicture};
 use compass_host::output::create_dir;
+use compass_host::plan_descriptor::PlanDescriptor;
 use compass_host::plan_import::PlanRaster;
 use std::path::Path;
 
@@ -29,10 +29,10 @@ pub(super) fn describe(
     raster: &PlanRaster,
     at: [f64; 2],
     heading_deg: f64,
-    described: &Described,
+    described: &PlanDescriptor,
 ) -> Result<()> {
     create_dir(dir)?;
-    let Described { range_m, hit, channels } = described;
+    let PlanDescriptor { range_m, hit, channels } = described;
     with_plan(raster, |plan| figures::draw_rays(&dir.join("rays.png"), plan, at, heading_deg, range_m, hit))?;
     figures::draw_polar(&dir.join("polar.png"), range_m, hit)?;
     figures::draw_descriptor(&dir.join("descriptor.png"), channels)?;

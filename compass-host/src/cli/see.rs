@@ -3,8 +3,8 @@
 use super::Outcome;
 use super::cameras::CameraArgs;
 use super::debug::Found;
-use super::describe::hit_name;
 use super::plan::PoseOnPlan;
+use crate::cli::json::JsonOption;
 use anyhow::{Context as _, Result};
 use compass_core::descriptor::Descriptor;
 use compass_core::descriptor::windows::ImageWindow;
@@ -13,9 +13,10 @@ use compass_core::vision::level_frame::{LevelFrame, NOMINAL_RANGE_M};
 use compass_core::vision::windows::{Window, image_box};
 use compass_host::compare::float_levels;
 use compass_host::eyes::{Eyes, EyesError};
-use compass_host::output::{Decimal, JsonOption, decimals};
+use compass_host::output::{Decimal, decimals};
+use compass_host::plan_descriptor::hit_name;
 use compass_host::site::wrapped;
-use compass_host::surroundings::Surroundings;
+use compass_host::visual_descriptor::VisualDescriptor;
 use serde::Serialize;
 use std::fmt;
 use std::fmt::Write as _;
@@ -155,7 +156,7 @@ impl See {
             let height_m = cameras.height_m;
             let surroundings = time(&mut stages[3], || {
                 let ranges = cameras.eyes.ranges(frames, &up, height_m)?;
-                Ok::<_, EyesError>(Surroundings::new(ranges, &sighting, height_m))
+                Ok::<_, EyesError>(VisualDescriptor::new(ranges, &sighting, height_m))
             })?;
             last = Some((sighting, level, chosen, surroundings));
         }
@@ -167,7 +168,8 @@ impl See {
             Found { frames, eyes, level, windows: &chosen, sighting: &sighting, surroundings, plan }
                 .draw(dir)?;
         }
-        let (up, Surroundings { height, ranges: found, hit, scan, confidence }) = (level.up(), &surroundings);
+        let (up, VisualDescriptor { height, ranges: found, hit, scan, confidence }) =
+            (level.up(), &surroundings);
         let output = Output {
             channels: float_levels(&Descriptor::from(scan)).map(decimals).into(),
             range_m: found.iter().map(|range| range.map(|r| Decimal(f64::from(r.metres)))).collect(),

@@ -1,10 +1,11 @@
 //! `compass segments`: the line segments of one image.
 
 use super::{Outcome, debug};
+use crate::cli::json::JsonOption;
 use anyhow::{Context as _, Result};
 use compass_core::vision::segments::{Detected, Parameters, Segment};
 use compass_host::frame::{Frame, SegmentDetector};
-use compass_host::output::{Decimal, JsonOption, write_file};
+use compass_host::output::{Decimal, write_file};
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::path::PathBuf;

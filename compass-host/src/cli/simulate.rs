@@ -2,11 +2,13 @@
 
 use super::Outcome;
 use super::plan::{PlanArgs, finite, size};
+use super::progress::Bars;
+use crate::cli::json::JsonOption;
 use anyhow::{Result, bail};
 use compass_core::vision::camera::Rig;
 use compass_host::calibration::{Calibration, NOMINAL_YAML};
 use compass_host::dataset::tum::{self, Pose};
-use compass_host::output::{Decimal, JsonOption, write_file, write_png};
+use compass_host::output::{Decimal, write_file, write_png};
 use compass_host::plan_import::PlanRaster;
 use compass_host::simulate::dataset::{self, Format};
 use compass_host::simulate::{Renderer, Scene, SceneOptions};
@@ -88,7 +90,7 @@ impl Simulate {
         let scene = Scene::new(&self.scene_options(), &raster);
         let renderer = Renderer::new(&scene, &rig, self.samples);
         let format = if self.png { Format::Png } else { Format::Jpeg(self.quality) };
-        dataset::write(&self.out, &renderer, &poses, format)?;
+        dataset::write(&self.out, &renderer, &poses, format, &Bars)?;
         write_png(&self.out.join("as_built.png"), &scene.as_built())?;
         if self.calib.is_none() {
             write_file(&self.out.join("calibration.yaml"), NOMINAL_YAML.as_bytes())?;

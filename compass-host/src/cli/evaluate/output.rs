@@ -1,8 +1,10 @@
 //! The result of an evaluation for people and programs.
 
-use compass_host::as_built::WallsSeen;
+use compass_host::evaluate::judged::JudgedFrame;
 use compass_host::evaluate::{Found, Misses, Row};
 use compass_host::output::Decimal;
+use compass_host::site_file::SiteFloor;
+use compass_host::wall_check::WallSummary;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -24,7 +26,7 @@ pub(super) struct Output<'a> {
     pub(super) up_from: BTreeMap<&'static str, usize>,
     pub(super) rows: Vec<Row>,
     pub(super) milliseconds: BTreeMap<String, Decimal>,
-    pub(super) walls: WallsSeen,
+    pub(super) walls: WallSummary,
     pub(super) report: PathBuf,
     pub(super) results: Vec<Frame<'a>>,
 }
@@ -47,6 +49,38 @@ pub(super) struct Frame<'a> {
     pub(super) paper_centred: Option<Placed<'a>>,
     pub(super) paper_hit_type: Option<Placed<'a>>,
     pub(super) paper_range: Option<Placed<'a>>,
+}
+
+impl<'a> Frame<'a> {
+    /// A frame with its floors by name where there are several.
+    pub(super) fn of(frame: &'a JudgedFrame<'_>, floors: &[SiteFloor<'a>]) -> Self {
+        let placed = |found: Option<&Found>, row: usize| {
+            found.map(|found| {
+                let layer = frame.judge.layers.get(usize::from(found.layer));
+                let floor = layer.and_then(|layer| floors.get(usize::from(layer.floor)));
+                let name = floor.and_then(SiteFloor::name).filter(|_| floors.len() > 1);
+                Placed::new(found, name, frame.truth.map(|_| frame.misses[row]))
+            })
+        };
+        let single = &frame.record.single;
+        Self {
+            timestamp_ns: frame.record.timestamp_ns,
+            problem: frame.record.problem.as_deref(),
+            up_from: frame.record.up.map(|_| frame.record.up_from.name()),
+            margin: Decimal(frame.record.margin()),
+            single: placed(single.first(), 0),
+            track: placed(frame.track.as_ref(), 1).zip(frame.estimate).map(|(placed, estimate)| Tracked {
+                placed,
+                probability: Decimal(f64::from(estimate.probability)),
+                spread_m: Decimal(f64::from(estimate.spread_m)),
+            }),
+            oracle: placed(frame.record.oracle.first(), 2),
+            paper_plain: placed(frame.record.paper[0].as_ref(), 3),
+            paper_centred: placed(frame.record.paper[1].as_ref(), 4),
+            paper_hit_type: placed(frame.record.paper[2].as_ref(), 5),
+            paper_range: placed(frame.record.paper[3].as_ref(), 6),
+        }
+    }
 }
 
 #[derive(Debug, Serialize)]

@@ -1,15 +1,17 @@
 //! `compass map build`: a plan becomes a site file of one floor.
 
 use crate::cli::Outcome;
+use crate::cli::json::JsonOption;
 use crate::cli::plan::{PlanArgs, finite};
+use crate::cli::progress::Bars;
 use anyhow::{Context as _, Result};
 use compass_core::map::site::{MAX_NAME_BYTES, Site, is_name};
 use compass_host::interior::CLEARANCE_M;
-use compass_host::output::{Decimal, JsonOption, write_file};
+use compass_host::output::{Decimal, write_file};
 use compass_host::plan_import::PlanRaster;
 use compass_host::plan_import::structure::{DEFAULT_THICKNESS_M, StructureError, keep_structure};
 use compass_host::site::{BuildOptions, PackedPlan};
-use compass_host::site_file::floor_bytes;
+use compass_host::site_file::floor_bytes_with_progress;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -69,7 +71,7 @@ impl Build {
             BuildOptions { spacing_m: self.spacing, clearance_m: self.clearance, max_gap_m: self.max_gap };
         let structure = self.structure(&raster, &plan).with_context(|| path.display().to_string())?;
         let name = self.name.clone().unwrap_or_else(|| default_name(path));
-        let bytes = floor_bytes(&name, &raster, &plan, structure.packed(), &options)
+        let bytes = floor_bytes_with_progress(&name, &raster, &plan, structure.packed(), &options, &Bars)
             .with_context(|| path.display().to_string())?;
         write_file(&self.out, &bytes)?;
         if let Some(path) = &self.plan_out {

@@ -1,9 +1,10 @@
 //! `compass map info`: what is in a site file.
 
 use crate::cli::Outcome;
+use crate::cli::json::JsonOption;
 use anyhow::Result;
 use compass_core::map::site_map::SiteMap;
-use compass_host::output::{Decimal, JsonOption};
+use compass_host::output::Decimal;
 use compass_host::site_file::{SiteFile, SiteFloor};
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -53,7 +54,7 @@ struct Facts {
 impl Info {
     pub(super) fn run(&self) -> Result<Outcome> {
         let file = SiteFile::read(&self.file)?;
-        let floors: Vec<_> = file.storeys().iter().map(DescribedFloor::of).collect();
+        let floors: Vec<_> = file.floors().iter().map(DescribedFloor::of).collect();
         let described = Described {
             first: floors.first().map(|f| f.facts.clone()),
             bytes: file.as_bytes().len(),
@@ -72,12 +73,12 @@ impl Info {
 }
 
 impl<'a> DescribedFloor<'a> {
-    fn of(storey: &SiteFloor<'a>) -> Self {
-        let plans = storey.floor.iter().flat_map(|floor| (0..floor.layers()).map_while(|n| floor.plan(n)));
+    fn of(floor: &SiteFloor<'a>) -> Self {
+        let plans = floor.floor.iter().flat_map(|floor| (0..floor.layers()).map_while(|n| floor.plan(n)));
         Self {
-            name: storey.name(),
-            facts: Facts::of(&storey.map),
-            map_bytes: storey.map.as_bytes().len(),
+            name: floor.name(),
+            facts: Facts::of(&floor.map),
+            map_bytes: floor.map.as_bytes().len(),
             plan_bytes: plans.map(|plan| plan.as_bytes().len()).collect(),
         }
     }

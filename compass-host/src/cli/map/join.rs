@@ -1,9 +1,10 @@
 //! `compass map join`: the floors of several site files in one.
 
 use crate::cli::Outcome;
+use crate::cli::json::JsonOption;
 use anyhow::{Context as _, Result, bail};
 use compass_core::map::site::Floor;
-use compass_host::output::{JsonOption, write_file};
+use compass_host::output::write_file;
 use compass_host::site_file::{SiteFile, site_bytes};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -29,7 +30,7 @@ struct Joined<'a> {
 impl Join {
     pub(super) fn run(&self) -> Result<Outcome> {
         let files: Vec<SiteFile> =
-            self.files.iter().map(|path| SiteFile::read(path)).collect::<Result<_>>()?;
+            self.files.iter().map(|path| SiteFile::read(path)).collect::<Result<_, _>>()?;
         let floors = self.floors(&files)?;
         let bytes = site_bytes(&floors)?;
         write_file(&self.out, &bytes)?;
@@ -48,8 +49,8 @@ impl Join {
     fn floors<'a>(&self, files: &'a [SiteFile]) -> Result<Vec<Floor<'a>>> {
         let mut found: Vec<(&Path, Floor<'a>)> = Vec::new();
         for (path, file) in self.files.iter().zip(files) {
-            for storey in file.storeys() {
-                let floor = storey.floor.with_context(|| {
+            for site_floor in file.floors() {
+                let floor = site_floor.floor.with_context(|| {
                     format!("{}: a plain site map has no plan to join; build a site file", path.display())
                 })?;
                 let name = floor.name();

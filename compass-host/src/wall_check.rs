@@ -3,8 +3,7 @@
 //! Each pose casts the plan as drawn; what was seen there [judges](compare) the walls its rays meet. Judgements are
 //! collected on tiles of the map: of each frame a tile takes the mean, and those of frames add up.
 
-use crate::output::{Decimal, write_file};
-use anyhow::Result;
+use crate::output::{Decimal, OutputError, write_file};
 use compass_core::base::scan::{STEPS_PER_METRE, Scan};
 use compass_core::map::plan::Plan;
 use compass_core::pose::ScoredPose;
@@ -56,7 +55,7 @@ impl Tile {
 
 /// The walls of a floor in short, for programs.
 #[derive(Debug, Serialize)]
-pub struct WallsSeen {
+pub struct WallSummary {
     standing_m: Decimal,
     absent_m: Decimal,
     unclear_m: Decimal,
@@ -64,7 +63,7 @@ pub struct WallsSeen {
     absent: Vec<[Decimal; 2]>,
 }
 
-impl WallsSeen {
+impl WallSummary {
     /// Sums up.
     #[must_use]
     pub fn of(walls: &Walls) -> Self {
@@ -135,7 +134,7 @@ impl Walls {
     ///
     /// # Errors
     /// Names the file.
-    pub fn write(&self, path: &Path) -> Result<()> {
+    pub fn write(&self, path: &Path) -> Result<(), OutputError> {
         let mut text = String::from("#x [m],y [m],nats for the wall standing,frames\n");
         for ([x, y], Tile { nats, frames }) in self.tiles() {
             let _ = writeln!(text, "{x:.1},{y:.1},{nats:.2},{frames}");
@@ -154,7 +153,7 @@ mod tests {
     use crate::site::{PackedPlan, point, turn};
 
     /// What is told of the walls as drawn by somebody who sees those of another plan.
-    fn seen(drawn: &PackedPlan, built: &PlanRaster) -> Walls {
+    fn checked(drawn: &PackedPlan, built: &PlanRaster) -> Walls {
         let ([x, y], heading) = FRAME_POSE;
         let (at, heading_deg) = (point(x, y).unwrap(), turn(heading));
         let pose = ScoredPose { at, heading: heading_deg, ..ScoredPose::NONE };
@@ -169,12 +168,12 @@ mod tests {
     fn walls_that_are_not_built_are_looked_through() {
         let drawn = PlanRaster::from(building());
         let plan = PackedPlan::new(&drawn).unwrap();
-        let as_drawn = seen(&plan, &drawn);
+        let as_drawn = checked(&plan, &drawn);
         let [stands, absent] = [Verdict::Stands, Verdict::Absent].map(|verdict| as_drawn.metres(verdict));
         assert!(stands > 5.0 && absent == 0.0, "{stands} m stand, {absent} m are absent");
         assert_eq!(as_drawn.seen_from().len(), 1);
 
-        let shell = seen(&plan, &keep_structure(&drawn, DEFAULT_THICKNESS_M).unwrap());
+        let shell = checked(&plan, &keep_structure(&drawn, DEFAULT_THICKNESS_M).unwrap());
         let absent: Vec<_> = shell.tiles().filter(|(_, tile)| tile.verdict() == Verdict::Absent).collect();
         assert!(absent.len() > 5, "{} tiles", absent.len());
         let stood = |at: &[f64; 2]| {

@@ -1,11 +1,11 @@
-//! The frames that were missed by most: a list, and pictures of them.
+//! The frames with the largest errors: a list, and pictures of them.
 
-use super::report::Shown;
+use super::error::Result;
+use super::frame_errors::FrameErrors;
 use crate::dataset::recording::{Shot, Source};
 use crate::frame::Frame;
 use crate::output::write_png;
 use crate::report::Picture;
-use anyhow::Result;
 use compass_core::vision::camera::Pixel;
 use image::{Rgb, RgbImage};
 use std::path::Path;
@@ -17,8 +17,8 @@ const WIDTH: u32 = 480;
 
 /// The frames with a truth, the worst of the frames by themselves first.
 #[must_use]
-pub fn by_error(frames: &[Shown]) -> Vec<&Shown> {
-    let mut frames: Vec<&Shown> = frames.iter().filter(|frame| frame.truth.is_some()).collect();
+pub fn by_error(frames: &[FrameErrors]) -> Vec<&FrameErrors> {
+    let mut frames: Vec<&FrameErrors> = frames.iter().filter(|frame| frame.truth.is_some()).collect();
     frames.sort_by(|a, b| b.metres[0].total_cmp(&a.metres[0]));
     frames
 }
@@ -27,7 +27,7 @@ pub fn by_error(frames: &[Shown]) -> Vec<&Shown> {
 ///
 /// # Errors
 /// Names the frame that cannot be read, or the file that cannot be written.
-pub fn draw(dir: &Path, frames: &[Shown], shots: &[Shot]) -> Result<Vec<Picture>> {
+pub fn draw(dir: &Path, frames: &[FrameErrors], shots: &[Shot]) -> Result<Vec<Picture>> {
     let mut pictures = Vec::new();
     for (rank, frame) in by_error(frames).into_iter().take(PICTURES).enumerate() {
         let Some(shot) = shots.iter().find(|shot| shot.timestamp_ns == frame.timestamp_ns) else { continue };

@@ -45,7 +45,7 @@ impl Height {
 
 /// Range and hit type in every direction, bin j at heading + j degrees, counter-clockwise.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Surroundings {
+pub struct VisualDescriptor {
     /// The height that ranges are reckoned with.
     pub height: Height,
     /// Likeliest range in metres and how sure it is; `None` where neither floor nor ceiling was seen.
@@ -58,7 +58,7 @@ pub struct Surroundings {
     pub confidence: Confidence,
 }
 
-impl Surroundings {
+impl VisualDescriptor {
     /// From what was measured and seen in one pair of frames; `height_m` is that of cam0 above the floor, if known.
     #[must_use]
     pub fn new(ranges: &RangeLikelihoods, sighting: &WindowEvidence, height_m: Option<f32>) -> Self {
@@ -97,7 +97,7 @@ mod tests {
 
     #[test]
     fn of_nothing_seen_nothing_is_known() {
-        let seen = Surroundings::new(&RangeLikelihoods::EMPTY, &WindowEvidence::NOTHING, None);
+        let seen = VisualDescriptor::new(&RangeLikelihoods::EMPTY, &WindowEvidence::NOTHING, None);
         assert!(seen.ranges.iter().all(Option::is_none) && seen.hit.iter().all(Option::is_none));
         assert_eq!(seen.confidence, Confidence::new(&[0; BINS]));
     }

@@ -1,17 +1,18 @@
 //! The pose of camera frames.
 
-use super::{Pose, milliseconds};
 use crate::cli::Outcome;
 use crate::cli::cameras::{CameraArgs, Cameras};
+use crate::cli::json::JsonOption;
+use crate::cli::pose::{Pose, milliseconds};
 use anyhow::{Context as _, Result};
 use compass_core::base::ladder::height_rungs;
 use compass_core::pose::locate::HeightPrior;
 use compass_core::pose::{FloorLayer, ScoredPose};
-use compass_host::as_built::{Walls, WallsSeen};
 use compass_host::clock::Clock;
 use compass_host::locator::Locator;
-use compass_host::output::{Decimal, JsonOption};
+use compass_host::output::Decimal;
 use compass_host::site_file::{SiteFile, SiteFloor};
+use compass_host::wall_check::{WallSummary, Walls};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -38,7 +39,7 @@ struct Output<'a> {
     probability: Decimal,
     candidates: Vec<Pose<'a>>,
     /// Which walls of the plan as drawn stand, by this pair of frames.
-    walls: WallsSeen,
+    walls: WallSummary,
     #[serde(skip_serializing_if = "Option::is_none")]
     position_error_m: Option<Decimal>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -63,8 +64,8 @@ pub(super) fn run(
 ) -> Result<Outcome> {
     let mut clock = Clock::start();
     let file = SiteFile::read(map)?;
-    let storeys = file.storeys();
-    let mut locator = Locator::new(&storeys).with_context(|| map.display().to_string())?;
+    let floors = file.floors();
+    let mut locator = Locator::new(&floors).with_context(|| map.display().to_string())?;
     clock.stage("read_map");
     let Cameras { frames, mut eyes, up, height_m, name } = cameras.load()?;
     let frames = frames.each_ref().map(Option::as_ref);
@@ -81,7 +82,7 @@ pub(super) fn run(
     let room = HeightPrior { height: height_m.map(height_rungs), ceiling: None };
     let fix = locator.locate(&survey, room, &sighting);
     clock.stage("locate");
-    let poses: Vec<_> = fix.answer.modes().iter().map(|m| pose(m, locator.layers(), &storeys)).collect();
+    let poses: Vec<_> = fix.answer.modes().iter().map(|m| pose(m, locator.layers(), &floors)).collect();
     let probability = f64::from(fix.probability());
     let (Some(best), Some(mode)) = (poses.first().copied(), fix.answer.best()) else {
         json.emit(&Unsure { probability: Decimal(0.0), candidates: poses }, "no pose found\n")?;
@@ -97,7 +98,7 @@ pub(super) fn run(
     }
     let errors = truth.map(|(at, heading)| best.error(at, heading));
     locator.weigh(&survey, [fix.height, fix.ceiling], &sighting);
-    let walls = walls(mode, &locator, &storeys);
+    let walls = walls(mode, &locator, &floors);
     let layer = locator.layers().get(usize::from(mode.layer)).map_or(0, |layer| usize::from(layer.number));
     let output = Output {
         floor: best.floor,
@@ -111,7 +112,7 @@ pub(super) fn run(
         margin: nats(fix.answer.margin()),
         probability: Decimal(probability),
         candidates: poses,
-        walls: WallsSeen::of(&walls),
+        walls: WallSummary::of(&walls),
         position_error_m: errors.map(|(metres, _)| Decimal(metres)),
         heading_error_deg: errors.map(|(_, degrees)| Decimal(degrees)),
         milliseconds: milliseconds(&clock),
@@ -121,26 +122,26 @@ pub(super) fn run(
 }
 
 /// The walls of the plan as drawn, by the evidence that the locator holds.
-fn walls(mode: &ScoredPose, locator: &Locator<'_>, storeys: &[SiteFloor<'_>]) -> Walls {
+fn walls(mode: &ScoredPose, locator: &Locator<'_>, floors: &[SiteFloor<'_>]) -> Walls {
     let mut walls = Walls::default();
-    if let Some(plan) = storey(mode, locator.layers(), storeys).and_then(|storey| storey.floor?.plan(0)) {
+    if let Some(plan) = site_floor(mode, locator.layers(), floors).and_then(|floor| floor.floor?.plan(0)) {
         walls.add(&plan, mode, locator.table());
     }
     walls
 }
 
-fn pose<'a>(mode: &ScoredPose, layers: &[FloorLayer<'_>], storeys: &[SiteFloor<'a>]) -> Pose<'a> {
-    let name = storey(mode, layers, storeys).and_then(SiteFloor::name);
-    pose_of(mode, name.filter(|_| storeys.len() > 1))
+fn pose<'a>(mode: &ScoredPose, layers: &[FloorLayer<'_>], floors: &[SiteFloor<'a>]) -> Pose<'a> {
+    let name = site_floor(mode, layers, floors).and_then(SiteFloor::name);
+    pose_of(mode, name.filter(|_| floors.len() > 1))
 }
 
 /// The floor that a mode is on.
-fn storey<'s, 'a>(
+fn site_floor<'s, 'a>(
     mode: &ScoredPose,
     layers: &[FloorLayer<'_>],
-    storeys: &'s [SiteFloor<'a>],
+    floors: &'s [SiteFloor<'a>],
 ) -> Option<&'s SiteFloor<'a>> {
-    storeys.get(usize::from(layers.get(usize::from(mode.layer))?.floor))
+    floors.get(usize::from(layers.get(usize::from(mode.layer))?.floor))
 }
 
 /// A mode as it is reported, with the floor where there are several.

@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use super::canvas::{DrawError, Rect};
-use super::output::FigureError;
+use super::canvas::Rect;
+use super::error::{DrawError, FigureError};
 use super::page::{Entry, Page, Symbol};
 use super::plan::{MapLayout, PlanPicture};
 use super::style::{AGREE, DISAGREE, FOUND, MUTED};
-use crate::as_built::{TILE_M, Verdict, Walls};
+use crate::wall_check::{TILE_M, Verdict, Walls};
 
 /// Space to the right of the plot.
 const MARGIN: f64 = 20.0;
@@ -18,7 +18,7 @@ const DOT: f64 = 4.0;
 ///
 /// # Errors
 /// [`FigureError`] when the file cannot be written, the plan is empty, or a position is not finite.
-pub fn draw_as_built(path: &Path, plan: &PlanPicture<'_>, walls: &Walls) -> Result<(), FigureError> {
+pub fn draw_wall_check(path: &Path, plan: &PlanPicture<'_>, walls: &Walls) -> Result<(), FigureError> {
     let layout = plan
         .extent(walls.seen_from())
         .and_then(|extent| MapLayout::new(extent, Page::INNER_WIDTH, MARGIN))

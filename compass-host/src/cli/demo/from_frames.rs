@@ -1,8 +1,10 @@
 //! The second half of the demo: from two rendered frames to a pose.
 
 use crate::cli::debug::Found;
-use crate::cli::localize::{Pose, pose_of};
+use crate::cli::localize::pose_of;
 use crate::cli::pictures;
+use crate::cli::pose::Pose;
+use crate::cli::progress::Bars;
 use anyhow::{Context as _, Result};
 use compass_core::pose::locate::HeightPrior;
 use compass_core::vision::boundary::RangeLikelihoods;
@@ -18,8 +20,8 @@ use compass_host::report::{Picture, Section, Table};
 use compass_host::sample::FRAME_POSE;
 use compass_host::simulate::{Scene, SceneOptions, render};
 use compass_host::site::{BuildOptions, PackedPlan};
-use compass_host::site_file::{SiteFile, floor_bytes};
-use compass_host::surroundings::Surroundings;
+use compass_host::site_file::{SiteFile, floor_bytes_with_progress};
+use compass_host::visual_descriptor::VisualDescriptor;
 use std::path::Path;
 use std::time::Instant;
 
@@ -42,11 +44,12 @@ pub(super) fn run(dir: &Path, raster: &PlanRaster, plan: &PackedPlan) -> Result<
     create_dir(dir)?;
     let path = dir.join("sample.site");
     let structure = PackedPlan::new(&keep_structure(raster, DEFAULT_THICKNESS_M)?)?;
-    let site = floor_bytes("sample", raster, plan, Some(&structure), &BuildOptions::default())?;
+    let site =
+        floor_bytes_with_progress("sample", raster, plan, Some(&structure), &BuildOptions::default(), &Bars)?;
     write_file(&path, &site)?;
     let file = SiteFile::read(&path)?;
-    let storeys = file.storeys();
-    let mut locator = Locator::new(&storeys)?;
+    let floors = file.floors();
+    let mut locator = Locator::new(&floors)?;
     let ([x, y], heading) = FRAME_POSE;
     let pose = tum::Pose::looking(0, [x, y, HEIGHT_M], heading, PITCH_ROLL_DEG[0], PITCH_ROLL_DEG[1]);
     let rig = Calibration::nominal().rig([Some(SIZE); 2])?;
@@ -70,13 +73,13 @@ pub(super) fn run(dir: &Path, raster: &PlanRaster, plan: &PackedPlan) -> Result<
     let height_m = fix.height_m();
     let mut ranges = Box::new(RangeLikelihoods::EMPTY);
     survey.ranges(fix.ceiling, &mut ranges);
-    let surroundings = Surroundings::new(&ranges, &sighting, Some(height_m));
+    let surroundings = VisualDescriptor::new(&ranges, &sighting, Some(height_m));
     let truth = plan.scan([x, y], heading)?;
     let (plan, surroundings) = (Some(&truth), Some(&surroundings));
     Found { frames, eyes: &eyes, level, windows: &windows, sighting: &sighting, surroundings, plan }
         .draw(dir)?;
     let poses: Vec<_> = fix.answer.modes().iter().map(|mode| pose_of(mode, None)).collect();
-    pictures::site_map(&dir.join("map.png"), raster, &storeys[0].map, None, FRAME_POSE, &poses)?;
+    pictures::site_map(&dir.join("map.png"), raster, &floors[0].map, None, FRAME_POSE, &poses)?;
     let probability = f64::from(fix.probability());
     Ok(Seen { poses, probability, camera_height_m: f64::from(height_m), milliseconds })
 }

@@ -1,55 +1,28 @@
-//! `compass localize`: floor, position and heading on a site, from frames or from a plan.
+//! The pose of a descriptor that is cast from a plan: the paper's matching.
 
-use super::Outcome;
-use super::cameras::CameraArgs;
-use super::plan::{Reading, finite, pair};
-use anyhow::{Context as _, Result, bail};
+use crate::cli::Outcome;
+use crate::cli::json::JsonOption;
+use crate::cli::plan::{Reading, finite};
+use crate::cli::pose::{Pose, milliseconds};
+use anyhow::{Context as _, Result};
 use compass_core::descriptor::matching::Match;
 use compass_core::descriptor::similarity::{Similarity, Weights};
-use compass_core::map::site_map::SiteMap;
 use compass_host::clock::Clock;
 use compass_host::localizer::{MatchOptions, SiteAnswer, SiteLocalizer};
 use compass_host::noise::disturb;
-use compass_host::output::{Decimal, JsonOption};
-use compass_host::site::wrapped;
+use compass_host::output::Decimal;
 use compass_host::site_file::{SiteFile, SiteFloor};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-mod sighted;
-
-pub(super) use sighted::pose_of;
-
-#[derive(Debug, clap::Args)]
-pub(super) struct Localize {
-    /// The site file, or a plain site map
-    #[arg(long, value_name = "FILE")]
-    map: PathBuf,
-    #[command(flatten)]
-    cameras: CameraArgs,
-    /// Answer "I don't know" (exit status 1) if frames leave less than this probability that the pose is right within 1 m
-    #[arg(long, value_name = "P", default_value_t = 0.5, value_parser = share, allow_hyphen_values = true)]
-    min_probability: f64,
-    #[command(flatten)]
-    query: PlanQuery,
-    /// True position in metres: the errors of the answer are reported; with --from-plan that of the query
-    #[arg(long, value_name = "X,Y", value_parser = pair, allow_hyphen_values = true, requires = "heading")]
-    at: Option<[f64; 2]>,
-    /// True heading in degrees
-    #[arg(long, value_name = "DEG", value_parser = finite, allow_hyphen_values = true, requires = "at")]
-    heading: Option<f64>,
-    #[command(flatten)]
-    json: JsonOption,
-}
-
 /// A query that is cast from a plan.
 #[derive(Debug, Clone, clap::Args)]
-struct PlanQuery {
+pub(super) struct PlanQuery {
     /// Cast the query from this plan instead of seeing it
     #[arg(long, value_name = "PLAN", conflicts_with_all = ["calib", "cam0", "cam1"], requires = "at")]
-    from_plan: Option<PathBuf>,
+    pub(super) from_plan: Option<PathBuf>,
     #[command(flatten)]
     reading: Reading,
     /// Disturb the query: at level 1, 3 % of range noise, 5 % of hit types mistaken, two occluders
@@ -64,7 +37,7 @@ struct PlanQuery {
 
 /// How to match.
 #[derive(Debug, Clone, clap::Args)]
-pub(super) struct Matching {
+struct Matching {
     /// Cosine of the descriptors as they are (the paper's), or after each channel's mean is removed
     #[arg(long, value_enum, default_value_t = Kind::Centred)]
     similarity: Kind,
@@ -83,7 +56,7 @@ enum Kind {
 }
 
 impl Matching {
-    pub(super) const fn options(&self) -> MatchOptions {
+    const fn options(&self) -> MatchOptions {
         let similarity = match self.similarity {
             Kind::Plain => Similarity::Plain,
             Kind::Centred => Similarity::Centred,
@@ -96,10 +69,6 @@ fn level(text: &str) -> Result<f64, String> {
     finite(text).and_then(|v| if (0.0..=10.0).contains(&v) { Ok(v) } else { Err("expected 0 to 10".into()) })
 }
 
-fn share(text: &str) -> Result<f64, String> {
-    finite(text).and_then(|v| if (0.0..=1.0).contains(&v) { Ok(v) } else { Err("expected 0 to 1".into()) })
-}
-
 fn weights(text: &str) -> Result<Weights, String> {
     let wanted = || format!("'{text}' is not five whole numbers 0..255, one of them above 0");
     let values: Vec<u8> =
@@ -108,42 +77,11 @@ fn weights(text: &str) -> Result<Weights, String> {
     if weights == [0; 5] { Err(wanted()) } else { Ok(Weights(weights)) }
 }
 
-/// A pose with its score.
-#[derive(Debug, Clone, Copy, Serialize)]
-pub(super) struct Pose<'a> {
-    /// Where there are several.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    floor: Option<&'a str>,
-    pub(super) x: Decimal,
-    pub(super) y: Decimal,
-    pub(super) heading_deg: Decimal,
-    pub(super) score: Decimal,
-}
-
-impl<'a> Pose<'a> {
-    pub(super) fn of(found: &Match, map: &SiteMap<'_>, floor: Option<&'a str>) -> Self {
-        let at = map.position(found.candidate as usize).unwrap_or_default();
-        Self {
-            floor,
-            x: Decimal(at.x.to_num()),
-            y: Decimal(at.y.to_num()),
-            heading_deg: Decimal(f64::from(found.peak.shift)),
-            score: Decimal(found.peak.score().to_num()),
-        }
-    }
-
-    /// Distance in metres and angle in degrees from a true pose.
-    pub(super) fn error(&self, at: [f64; 2], heading_deg: f64) -> (f64, f64) {
-        let turn = wrapped(self.heading_deg.0 - heading_deg);
-        ((self.x.0 - at[0]).hypot(self.y.0 - at[1]), turn.abs())
-    }
-}
-
 /// The matches as poses, with their floor where there are several.
-fn poses<'a>(answer: &SiteAnswer, storeys: &[SiteFloor<'a>]) -> Vec<Pose<'a>> {
-    let pose = |(floor, found): &(usize, Match)| {
-        let storey = storeys.get(*floor)?;
-        Some(Pose::of(found, &storey.map, storey.name().filter(|_| storeys.len() > 1)))
+fn poses<'a>(answer: &SiteAnswer, floors: &[SiteFloor<'a>]) -> Vec<Pose<'a>> {
+    let pose = |(number, found): &(usize, Match)| {
+        let floor = floors.get(*number)?;
+        Some(Pose::of(found, &floor.map, floor.name().filter(|_| floors.len() > 1)))
     };
     answer.matches.iter().filter_map(pose).collect()
 }
@@ -167,39 +105,32 @@ struct Output<'a> {
     milliseconds: BTreeMap<&'static str, Decimal>,
 }
 
-impl Localize {
-    pub(super) fn run(&self) -> Result<Outcome> {
-        let truth = self.at.zip(self.heading);
-        match (&self.query.from_plan, truth) {
-            (Some(plan), Some(truth)) => self.cast(plan, truth),
-            (Some(_), None) => bail!("no pose on the plan: give --at X,Y and --heading DEG"),
-            (None, _) if self.cameras.is_given() => {
-                sighted::run(&self.map, &self.cameras, truth, self.min_probability, &self.json)
-            }
-            (None, _) => {
-                bail!("no query: give --calib with --cam0, --cam1 or both, or a plan with --from-plan")
-            }
-        }
-    }
-
-    fn cast(&self, plan_path: &Path, (at, heading): ([f64; 2], f64)) -> Result<Outcome> {
+impl PlanQuery {
+    /// Casts the query, searches and reports.
+    pub(super) fn run(
+        &self,
+        map: &Path,
+        plan_path: &Path,
+        (at, heading): ([f64; 2], f64),
+        json: &JsonOption,
+    ) -> Result<Outcome> {
         let mut clock = Clock::start();
-        let file = SiteFile::read(&self.map)?;
-        let storeys = file.storeys();
+        let file = SiteFile::read(map)?;
+        let floors = file.floors();
         clock.stage("read_map");
-        let (_, plan) = self.query.reading.load(plan_path)?;
+        let (_, plan) = self.reading.load(plan_path)?;
         clock.stage("read_plan");
         let mut scan = plan.scan(at, heading).with_context(|| plan_path.display().to_string())?;
-        disturb(&mut scan, self.query.noise, self.query.seed);
+        disturb(&mut scan, self.noise, self.seed);
         clock.stage("cast");
-        let mut localizer = SiteLocalizer::new(storeys.iter().map(|storey| storey.map));
+        let mut localizer = SiteLocalizer::new(floors.iter().map(|floor| floor.map));
         clock.stage("index");
-        let answer = localizer.locate(&scan, &self.query.matching.options())?;
+        let answer = localizer.locate(&scan, &self.matching.options())?;
         clock.stage("search");
-        let poses = poses(&answer, &storeys);
+        let poses = poses(&answer, &floors);
         // A score of 0 says nothing: no candidate resembles the query, or the query has no contrast.
         let Some(best) = poses.first().copied().filter(|best| best.score.0 > 0.0) else {
-            self.json.emit(&serde_json::json!({ "candidates": [] }), "no pose found\n")?;
+            json.emit(&serde_json::json!({ "candidates": [] }), "no pose found\n")?;
             return Ok(Outcome::No);
         };
         let summary = summary(&poses, &answer, &clock, (at, heading));
@@ -219,7 +150,7 @@ impl Localize {
             exhaustive: answer.exhaustive,
             milliseconds: milliseconds(&clock),
         };
-        self.json.emit(&output, &summary)?;
+        json.emit(&output, &summary)?;
         Ok(Outcome::Done)
     }
 }
@@ -243,9 +174,4 @@ fn summary(poses: &[Pose<'_>], answer: &SiteAnswer, clock: &Clock, (at, heading)
     let search = clock.stages().get("search").copied().unwrap_or(0.0);
     let _ = writeln!(text, "margin {margin:.4}, {} candidates scored, search {search:.1} ms", answer.scored);
     text
-}
-
-/// The time that each stage took, as it is reported.
-fn milliseconds(clock: &Clock) -> BTreeMap<&'static str, Decimal> {
-    clock.stages().iter().map(|(stage, ms)| (*stage, Decimal(*ms))).collect()
 }
