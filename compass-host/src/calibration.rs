@@ -16,7 +16,6 @@ use nalgebra::{Matrix3, Matrix4, Vector3};
 use serde::Deserialize;
 use thiserror::Error;
 
-use crate::dataset::imu::Gravity;
 use crate::image_file::one_line;
 use crate::reference::camera::{Camera, Model};
 
@@ -220,13 +219,6 @@ impl Calibration {
         }
         let refused = |source| CalibrationError::Rig { path: self.path.clone(), source };
         Rig::new([front, back]).map_err(refused)
-    }
-
-    /// What the IMU says of gravity, in the axes of cam0; `None` if the file does not tell how the two lie.
-    #[must_use]
-    pub fn in_cam0(&self, gravity: &Gravity) -> Option<Gravity> {
-        let turn = self.cameras[0].as_ref()?.from_imu?;
-        Some(Gravity { up: turn.transform_vector(&gravity.up), ..*gravity })
     }
 
     /// A camera in the place of cam0, for an image of this size.

@@ -6,10 +6,12 @@ pub mod camera;
 pub mod segments;
 pub mod sight;
 
+use crate::calibration::CalibrationError;
+use crate::interior::{self, InteriorError};
 use crate::plan_import::PlanRaster;
+use crate::progress::{Progress, Silent};
 use crate::reference;
-use crate::site::{PackedPlan, progress};
-use anyhow::Result;
+use crate::site::PackedPlan;
 use compass_core::base::confidence::Confidence;
 use compass_core::base::scan::Scan;
 use compass_core::descriptor::channels::{DEVIATION_REACH, LEVEL_ERROR};
@@ -17,10 +19,33 @@ use compass_core::descriptor::similarity::{Candidate, Query, SCORE_ERROR, Simila
 use compass_core::descriptor::spectrum::{self, Complex, Correlator, FFT_SNR_DB, FFT_WORST_LSB};
 use compass_core::descriptor::{Channel, Descriptor};
 use compass_core::map::plan::AGREEING_RAYS_PPM;
+use compass_core::vision::segments::SegmentsError;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rayon::prelude::*;
 use rustfft::{FftPlanner, num_complex::Complex64};
+use thiserror::Error;
+
+/// Why stages could not be compared on a plan.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum CompareError {
+    /// The plan has no interior.
+    #[error(transparent)]
+    Interior(#[from] InteriorError),
+    /// The nominal calibration does not fit the frames.
+    #[error(transparent)]
+    Calibration(#[from] CalibrationError),
+    /// The detector refused a frame.
+    #[error(transparent)]
+    Segments(#[from] SegmentsError),
+    /// A frame was not rendered.
+    #[error("a rendered frame")]
+    Frame,
+    /// The up vector leaves no heading.
+    #[error("a heading")]
+    Heading,
+}
 
 /// One stage of the comparison.
 #[derive(Debug, Clone, PartialEq)]
@@ -89,7 +114,26 @@ impl Pair {
 ///
 /// # Errors
 /// A plan without interior.
-pub fn compare(raster: &PlanRaster, plan: &PackedPlan, poses: usize, seed: u64) -> Result<Vec<Stage>> {
+pub fn compare(
+    raster: &PlanRaster,
+    plan: &PackedPlan,
+    poses: usize,
+    seed: u64,
+) -> Result<Vec<Stage>, InteriorError> {
+    compare_with_progress(raster, plan, poses, seed, &Silent)
+}
+
+/// [`compare`], showing its progress.
+///
+/// # Errors
+/// As [`compare`].
+pub fn compare_with_progress(
+    raster: &PlanRaster,
+    plan: &PackedPlan,
+    poses: usize,
+    seed: u64,
+    progress: &dyn Progress,
+) -> Result<Vec<Stage>, InteriorError> {
     let poses = interior_poses(raster, poses, seed)?;
     let float_plan = reference::Plan::new(
         &raster.walls_mask(),
@@ -97,13 +141,13 @@ pub fn compare(raster: &PlanRaster, plan: &PackedPlan, poses: usize, seed: u64) 
         raster.resolution_m,
         raster.origin,
     );
-    let bar = progress(poses.len(), "casting poses");
+    let steps = progress.begin(poses.len(), "casting poses");
     let cast = |&(x, y, heading): &(f64, f64, f64)| {
-        bar.inc(1);
+        steps.step();
         Some(Pair { fixed: plan.scan([x, y], heading).ok()?, float: float_plan.scan(x, y, heading)? })
     };
     let pairs: Vec<Pair> = poses.par_iter().filter_map(cast).collect();
-    bar.finish_and_clear();
+    drop(steps);
     let mut stages = vec![march_stage(&pairs)];
     stages.extend(channel_stages(&pairs));
     stages.extend(fft_stages(seed));
@@ -115,9 +159,13 @@ pub fn compare(raster: &PlanRaster, plan: &PackedPlan, poses: usize, seed: u64) 
 ///
 /// # Errors
 /// A plan without interior.
-pub fn interior_poses(raster: &PlanRaster, count: usize, seed: u64) -> Result<Vec<(f64, f64, f64)>> {
+pub fn interior_poses(
+    raster: &PlanRaster,
+    count: usize,
+    seed: u64,
+) -> Result<Vec<(f64, f64, f64)>, InteriorError> {
     let (walls, windows) = (raster.walls_mask(), raster.windows_mask());
-    let inside = crate::interior::find(&walls, &windows, raster.resolution_m, &Default::default())?;
+    let inside = interior::find(&walls, &windows, raster.resolution_m, &Default::default())?;
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
     let mut poses = Vec::with_capacity(count);
     // An interior is at least a square metre, but it may be a small part of a large raster.

@@ -59,7 +59,7 @@ pub enum EyesError {
 }
 
 /// How cam0 is mounted: which side of its image is up.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Mount {
     /// Told from the windows: the sky is brighter than the ground.
     #[default]

@@ -1,10 +1,70 @@
-//! The host side of COMPASS: plans and datasets in, site maps, poses, figures and reports out, and the
-//! float reference that `compass-core` is checked against.
+//! The host side of COMPASS: plans and recordings in, site files, poses, figures and reports out, and the float
+//! reference that `compass-core` is checked against.
+//!
+//! A site of one floor from a plan image, a calibration, and the pose of two frames:
+//!
+//! ```no_run
+//! use compass_host::{
+//!     BuildOptions, Calibration, Eyes, Frame, Locator, Mount, PackedPlan, PlanOptions, SiteFile, floor_bytes,
+//!     load_plan, localize, write_file,
+//! };
+//! use std::path::Path;
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! // Dark pixels are walls, red ones glazing; 0.01 m per pixel.
+//! let raster = load_plan(&PlanOptions::new("floor_1.png"))?;
+//! let plan = PackedPlan::new(&raster)?;
+//! let bytes = floor_bytes("floor_1", &raster, &plan, None, &BuildOptions::default())?;
+//! write_file(Path::new("building.site"), &bytes)?;
+//!
+//! let calibration = Calibration::load(Path::new("camchain-imucam.yaml"))?;
+//! let frames = [Frame::read(Path::new("cam0.png"))?, Frame::read(Path::new("cam1.png"))?];
+//! let sizes = frames.each_ref().map(|frame| Some((frame.width(), frame.height())));
+//! let mut eyes = Eyes::new(calibration.rig(sizes)?);
+//!
+//! let site = SiteFile::read(Path::new("building.site"))?;
+//! let mut locator = Locator::new(&site.floors())?;
+//! let fix = localize(&mut locator, &mut eyes, frames.each_ref().map(Some), Mount::Auto, None)?;
+//! if let Some(pose) = fix.answer.best() {
+//!     println!("x {} m, y {} m, probability {:.2}", pose.at.x, pose.at.y, fix.probability());
+//! }
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! The root re-exports what such a program needs; everything else is for those who measure or rebuild a stage.
+//! Lengths are metres, angles degrees, and the map has x to the right and y up, unless a name says otherwise.
+//!
+//! # Modules, in reading order
+//!
+//! A module knows those above it, never those below.
+//!
+//! | module | what it owns |
+//! |---|---|
+//! | [`progress`], [`clock`] | progress and times of long work |
+//! | [`output`] | files that are whole or absent, numbers of results |
+//! | [`image_file`], [`frame`] | decoded images, camera frames, their line segments |
+//! | [`interior`] | which places of a plan are indoors |
+//! | [`plan_import`] | plan files as rasters of walls and glazing |
+//! | [`site`], [`site_file`] | packed plans, site maps, files of floors |
+//! | [`reference`](mod@reference) | the method once more, in plain floats |
+//! | [`calibration`], [`dataset`] | lenses and rigs; recordings, trajectories, IMU |
+//! | [`eyes`], [`up`], [`visual_descriptor`] | what a pair of frames shows |
+//! | [`locator`], [`localize`](mod@localize) | from what is seen to a pose |
+//! | [`wall_check`] | which walls of a plan stand |
+//! | [`localizer`], [`noise`], [`paper_finder`], [`cross_modal`] | the paper's matching, and what it is tried with |
+//! | [`sample`], [`simulate`] | a sample building; frames rendered from a plan |
+//! | [`compare`], [`plan_descriptor`] | the core against the float reference, descriptors of places |
+//! | [`figures`], [`report`] | pictures and pages |
+//! | [`evaluate`] | recordings against the truth |
+//!
+//! # Features
+//!
+//! - `bag` (default): ROS 2 bags as recordings; needs a C compiler.
+//! - `cli` (default): the `compass` command. The library itself neither prints nor parses arguments.
 
-pub mod as_built;
 pub mod calibration;
-mod clock;
-pub mod commands;
+pub mod clock;
 pub mod compare;
 pub mod cross_modal;
 pub mod dataset;
@@ -14,18 +74,40 @@ pub mod figures;
 pub mod frame;
 pub mod image_file;
 pub mod interior;
+pub mod localize;
 pub mod localizer;
 pub mod locator;
 pub mod noise;
 pub mod output;
 pub mod paper_finder;
+pub mod plan_descriptor;
 pub mod plan_import;
+pub mod progress;
 pub mod reference;
 pub mod report;
 pub mod sample;
 pub mod simulate;
 pub mod site;
 pub mod site_file;
-pub mod surroundings;
 pub mod up;
+pub mod visual_descriptor;
+pub mod wall_check;
 mod wide;
+
+pub use calibration::{Calibration, CalibrationError};
+pub use compass_core;
+pub use compass_core::pose::locate::Fix;
+pub use dataset::recording::{DatasetError, Recording, Shot};
+pub use dataset::trajectory::Trajectory;
+pub use eyes::{Eyes, EyesError, Mount};
+pub use frame::Frame;
+pub use image_file::ImageFileError;
+pub use localize::localize;
+pub use locator::{Locator, NoPlan};
+pub use output::{OutputError, write_file};
+pub use plan_descriptor::PlanDescriptor;
+pub use plan_import::{PlanImportError, PlanOptions, PlanRaster, load as load_plan};
+pub use progress::{Progress, Silent, Steps};
+pub use site::{BuildError, BuildOptions, PackError, PackedPlan, ScanError};
+pub use site_file::{FloorBuildError, SiteFile, SiteFileError, SiteFloor, floor_bytes};
+pub use visual_descriptor::VisualDescriptor;

@@ -1,6 +1,5 @@
 //! Site maps with their index, ready to answer.
 
-use anyhow::{Result, anyhow};
 use compass_core::base::confidence::Confidence;
 use compass_core::base::num::Score;
 use compass_core::base::scan::Scan;
@@ -13,9 +12,15 @@ use compass_core::descriptor::similarity::{Query, Similarity, Weights};
 use compass_core::map::site_map::SiteMap;
 use rayon::prelude::*;
 use std::cmp::Reverse;
+use thiserror::Error;
 
 /// Matches that the search may choose its alternatives from.
 const POOL: usize = 512;
+
+/// The index belongs to another map.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+#[error("index of another map")]
+pub struct IndexMismatch;
 
 /// How to match.
 #[derive(Debug, Clone, Copy, Default)]
@@ -70,7 +75,7 @@ impl<'a> Localizer<'a> {
     ///
     /// # Errors
     /// Never for a localizer made by [`Localizer::new`].
-    pub fn locate(&mut self, scan: &Scan, options: &MatchOptions) -> Result<Answer> {
+    pub fn locate(&mut self, scan: &Scan, options: &MatchOptions) -> Result<Answer, IndexMismatch> {
         self.locate_masked(scan, &Confidence::CERTAIN, options)
     }
 
@@ -83,14 +88,14 @@ impl<'a> Localizer<'a> {
         scan: &Scan,
         confidence: &Confidence,
         options: &MatchOptions,
-    ) -> Result<Answer> {
+    ) -> Result<Answer, IndexMismatch> {
         let descriptor = Descriptor::from(scan);
         self.query.set(&descriptor, confidence, options.weights, options.similarity);
         let signature = options.prefilter.map(|keep| {
             let signature = Signature::new(scan);
             (signature, nearest_signatures(&self.map, &signature, keep as usize))
         });
-        let index = Index::new(&self.groups, &self.map).ok_or_else(|| anyhow!("index of another map"))?;
+        let index = Index::new(&self.groups, &self.map).ok_or(IndexMismatch)?;
         exhaustive(
             &index,
             &self.map,
@@ -100,7 +105,7 @@ impl<'a> Localizer<'a> {
             &mut self.bounds,
             &mut self.pool,
         )
-        .ok_or_else(|| anyhow!("index of another map"))
+        .ok_or(IndexMismatch)
     }
 }
 
@@ -133,7 +138,7 @@ impl<'a> SiteLocalizer<'a> {
     ///
     /// # Errors
     /// Never for a localizer made by [`SiteLocalizer::new`].
-    pub fn locate(&mut self, scan: &Scan, options: &MatchOptions) -> Result<SiteAnswer> {
+    pub fn locate(&mut self, scan: &Scan, options: &MatchOptions) -> Result<SiteAnswer, IndexMismatch> {
         let mut all = SiteAnswer { matches: Vec::new(), scored: 0, exhaustive: true };
         for (number, floor) in self.floors.iter_mut().enumerate() {
             let answer = floor.locate(scan, options)?;

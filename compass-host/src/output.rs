@@ -1,8 +1,40 @@
-//! What commands write: machine-readable results, and files that are whole or absent.
+//! Files that appear whole or not at all, and the numbers of machine-readable results.
 
-use anyhow::{Context as _, Result};
+use compass_core::map::site_map::Sink;
 use serde::{Serialize, Serializer};
-use std::path::Path;
+use std::io::{self, Write as _};
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// Why a file or directory could not be written.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum OutputError {
+    /// The file could not be written; what stood there before stays as it was.
+    #[error("cannot write {}: {source}", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// The image cannot be encoded.
+    #[error("{}: cannot be encoded: {source}", path.display())]
+    Encode {
+        /// The file that was to hold the image.
+        path: PathBuf,
+        /// What the encoder said.
+        source: image::ImageError,
+    },
+    /// The directory could not be created.
+    #[error("{}: cannot create the directory: {source}", path.display())]
+    Directory {
+        /// The directory.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+}
 
 /// A number of the JSON output: a plain decimal of at most six places, never an exponent.
 ///
@@ -28,74 +60,95 @@ pub fn decimals(values: impl IntoIterator<Item = f64>) -> Vec<Decimal> {
     values.into_iter().map(Decimal).collect()
 }
 
-/// Where `--json` goes.
-#[derive(Debug, Clone, Default, clap::Args)]
-pub struct JsonOption {
-    /// Write the machine-readable result to FILE; `-` is standard output, which then carries nothing else
-    #[arg(long, value_name = "FILE")]
-    pub json: Option<std::path::PathBuf>,
-}
-
-impl JsonOption {
-    /// Writes `result` as asked; without `--json` prints `summary` instead.
-    ///
-    /// With `--json FILE` the summary is printed as well; with `--json -` it is not.
-    ///
-    /// # Errors
-    /// Names the file that could not be written.
-    pub fn emit(&self, result: &impl Serialize, summary: &str) -> Result<()> {
-        let text = || -> Result<String> { Ok(serde_json::to_string_pretty(result)? + "\n") };
-        match &self.json {
-            Some(path) if path.as_os_str() == "-" => print(&text()?),
-            Some(path) => {
-                write_file(path, text()?.as_bytes())?;
-                print(summary)
-            }
-            None => print(summary),
-        }
-    }
-}
-
-/// Prints to standard output; a reader that went away is no error.
-fn print(text: &str) -> Result<()> {
-    use std::io::Write as _;
-    match std::io::stdout().write_all(text.as_bytes()) {
-        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Err(e).context("standard output"),
-        _ => Ok(()),
-    }
-}
-
-/// Writes a file whole or not at all.
+/// Writes `bytes` to a new file beside `path` and renames it: the file is whole or absent.
 ///
 /// # Errors
-/// Names the file.
-pub fn write_file(path: &Path, bytes: &[u8]) -> Result<()> {
-    crate::figures::write_atomically(path, bytes).map_err(Into::into)
+/// [`OutputError::Write`] names `path`; what stood there before stays as it was.
+pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
+    replace(path, bytes).map_err(|source| OutputError::Write { path: path.to_owned(), source })
 }
 
 /// Writes an image as PNG, whole or not at all.
 ///
 /// # Errors
-/// Names the file.
-pub fn write_png(path: &Path, image: &image::RgbImage) -> Result<()> {
-    let mut png = std::io::Cursor::new(Vec::new());
+/// [`OutputError`] names the file.
+pub fn write_png(path: &Path, image: &image::RgbImage) -> Result<(), OutputError> {
+    let mut png = io::Cursor::new(Vec::new());
     image
         .write_to(&mut png, image::ImageFormat::Png)
-        .with_context(|| format!("{}: cannot be encoded", path.display()))?;
+        .map_err(|source| OutputError::Encode { path: path.to_owned(), source })?;
     write_file(path, png.get_ref())
 }
 
 /// Creates a directory for output with all its parents.
 ///
 /// # Errors
-/// Names the directory.
-pub fn create_dir(path: &Path) -> Result<()> {
-    std::fs::create_dir_all(path).with_context(|| format!("{}: cannot create the directory", path.display()))
+/// [`OutputError::Directory`] names the directory.
+pub fn create_dir(path: &Path) -> Result<(), OutputError> {
+    std::fs::create_dir_all(path).map_err(|source| OutputError::Directory { path: path.to_owned(), source })
+}
+
+/// Bytes in memory, as a target of the core's writers.
+#[derive(Debug, Default)]
+pub struct Bytes(pub Vec<u8>);
+
+impl Sink for Bytes {
+    type Error = std::convert::Infallible;
+    fn append(&mut self, bytes: &[u8]) -> Result<(), Self::Error> {
+        self.0.extend_from_slice(bytes);
+        Ok(())
+    }
+}
+
+fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let directory = match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    let mut file = builder().tempfile_in(directory).map_err(|e| plain(&e))?;
+    file.write_all(bytes)?;
+    file.persist(path).map_err(|e| plain(&e.error))?;
+    Ok(())
+}
+
+/// The system's message alone: the error of `tempfile` names a temporary path nobody asked for.
+fn plain(error: &io::Error) -> io::Error {
+    error.raw_os_error().map_or_else(|| error.kind().into(), io::Error::from_raw_os_error)
+}
+
+/// Temporary files with the rights of an ordinary new file, not of a secret.
+fn builder() -> tempfile::Builder<'static, 'static> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".compass-");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    builder
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn replaces_a_file_and_leaves_nothing_else() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("a.txt");
+        write_file(&path, b"one").unwrap();
+        write_file(&path, b"two").unwrap();
+        assert_eq!(std::fs::read(&path).unwrap(), b"two");
+        assert_eq!(std::fs::read_dir(directory.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn error_is_one_line_that_names_the_path() {
+        let path = Path::new("no/such/folder/a.png");
+        let message = write_file(path, b"").unwrap_err().to_string();
+        assert!(message.starts_with("cannot write no/such/folder/a.png: "), "{message}");
+        assert!(!message.contains('\n') && !message.contains(".compass-"), "{message}");
+    }
 
     #[test]
     fn numbers_are_plain_decimals() {

@@ -6,7 +6,8 @@ use minijinja::value::{Serde, Value};
 use minijinja::{Environment, context};
 use serde::Serialize;
 
-use crate::figures::{FigureError, write_atomically};
+use crate::figures::FigureError;
+use crate::output::write_file;
 
 /// One section of a report: its parts are optional and appear in the order of the fields.
 #[derive(Debug, Clone, Default, Serialize)]
@@ -61,7 +62,7 @@ const PAGE: &str = include_str!("report.html");
 pub fn write_html(path: &Path, title: &str, sections: &[Section]) -> Result<(), FigureError> {
     let mut html = render(title, sections).map_err(|e| FigureError::draw(path, &e))?;
     html.push('\n');
-    write_atomically(path, html.as_bytes())
+    Ok(write_file(path, html.as_bytes())?)
 }
 
 fn render(title: &str, sections: &[Section]) -> Result<String, minijinja::Error> {

@@ -1,11 +1,61 @@
 //! Site files in memory: read and checked as a whole, made from floors.
 
+use crate::output::Bytes;
 use crate::plan_import::PlanRaster;
-use crate::site::{BuildOptions, Bytes, PackedPlan, build};
-use anyhow::{Context as _, Result, anyhow};
-use compass_core::map::site::{Floor, Site, SiteError, Writer};
-use compass_core::map::site_map::SiteMap;
-use std::path::Path;
+use crate::progress::{Progress, Silent};
+use crate::site::{BuildError, BuildOptions, PackedPlan, build_with_progress};
+use compass_core::map::site::{Floor, FloorError, Site, SiteError, Writer};
+use compass_core::map::site_map::{SiteMap, SiteMapError};
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// Why a site file could not be read.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum SiteFileError {
+    /// The file could not be opened or read.
+    #[error("{}: cannot be read: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The file is no site file.
+    #[error("{}: {source}", path.display())]
+    Site {
+        /// The file.
+        path: PathBuf,
+        /// The field that is wrong.
+        source: SiteError,
+    },
+    /// The file is no plain site map.
+    #[error("{}: {source}", path.display())]
+    Map {
+        /// The file.
+        path: PathBuf,
+        /// The field that is wrong.
+        source: SiteMapError,
+    },
+}
+
+/// Why a floor could not be made from a plan.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum FloorBuildError {
+    /// The site map could not be built.
+    #[error(transparent)]
+    Build(#[from] BuildError),
+    /// The map that was built is not valid.
+    #[error(transparent)]
+    Map(#[from] SiteMapError),
+    /// No floor can have this name, or map and plans do not fit each other.
+    #[error(transparent)]
+    Floor(#[from] FloorError),
+    /// The floor does not fit into a site file.
+    #[error(transparent)]
+    Site(#[from] SiteError),
+}
 
 /// The bytes of a site file, or of a plain site map, which counts as one floor without name and plan.
 #[derive(Debug, Clone)]
@@ -27,9 +77,16 @@ impl SiteFile {
     ///
     /// # Errors
     /// Names the file and the field that is wrong.
-    pub fn read(path: &Path) -> Result<Self> {
-        let bytes = std::fs::read(path).with_context(|| format!("{}: cannot be read", path.display()))?;
-        verify(&bytes).map_err(|e| anyhow!("{}: {e}", path.display()))?;
+    pub fn read(path: &Path) -> Result<Self, SiteFileError> {
+        let named = || path.to_path_buf();
+        let bytes = std::fs::read(path).map_err(|source| SiteFileError::Read { path: named(), source })?;
+        let map = |source| SiteFileError::Map { path: named(), source };
+        match Site::new(&bytes) {
+            Err(SiteError::Magic) => SiteMap::new(&bytes).and_then(|map| map.verify()).map_err(map)?,
+            site => site
+                .and_then(|site| site.verify())
+                .map_err(|source| SiteFileError::Site { path: named(), source })?,
+        }
         Ok(Self { bytes })
     }
 
@@ -41,7 +98,7 @@ impl SiteFile {
 
     /// The floors in the order of the file; there is at least one.
     #[must_use]
-    pub fn storeys(&self) -> Vec<SiteFloor<'_>> {
+    pub fn floors(&self) -> Vec<SiteFloor<'_>> {
         match Site::new(&self.bytes) {
             Ok(site) => {
                 site.floors().map(|floor| SiteFloor { map: *floor.map(), floor: Some(floor) }).collect()
@@ -61,13 +118,6 @@ impl<'a> SiteFloor<'a> {
     }
 }
 
-fn verify(bytes: &[u8]) -> Result<()> {
-    match Site::new(bytes) {
-        Err(SiteError::Magic) => Ok(SiteMap::new(bytes)?.verify()?),
-        site => Ok(site?.verify()?),
-    }
-}
-
 /// A site file of these floors.
 ///
 /// # Errors
@@ -81,15 +131,30 @@ pub fn site_bytes(floors: &[Floor<'_>]) -> Result<Vec<u8>, SiteError> {
 /// Builds the site file of one floor: its site map, its plan, and its structure as layer 1 where it is given.
 ///
 /// # Errors
-/// As [`build`]; and a name that no floor can have.
+/// As [`crate::site::build`]; and a name that no floor can have.
 pub fn floor_bytes(
     name: &str,
     raster: &PlanRaster,
     plan: &PackedPlan,
     structure: Option<&PackedPlan>,
     options: &BuildOptions,
-) -> Result<Vec<u8>> {
-    let map = build(raster, plan, structure, options)?;
+) -> Result<Vec<u8>, FloorBuildError> {
+    floor_bytes_with_progress(name, raster, plan, structure, options, &Silent)
+}
+
+/// [`floor_bytes`], showing its progress.
+///
+/// # Errors
+/// As [`floor_bytes`].
+pub fn floor_bytes_with_progress(
+    name: &str,
+    raster: &PlanRaster,
+    plan: &PackedPlan,
+    structure: Option<&PackedPlan>,
+    options: &BuildOptions,
+    progress: &dyn Progress,
+) -> Result<Vec<u8>, FloorBuildError> {
+    let map = build_with_progress(raster, plan, structure, options, progress)?;
     let floor = Floor::new(name, SiteMap::new(&map)?, plan.view(), structure.map(PackedPlan::view))?;
     Ok(site_bytes(&[floor])?)
 }

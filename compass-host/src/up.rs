@@ -11,9 +11,7 @@ use serde::{Deserialize, Serialize};
 const AGREEING_DEG: f64 = 10.0;
 
 /// What tells up.
-#[derive(
-    Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, clap::ValueEnum, Serialize, Deserialize,
-)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum UpFrom {
     /// Vertical lines.

@@ -23,7 +23,7 @@ use compass_host::frame::Frame;
 use compass_host::plan_import::structure::{DEFAULT_THICKNESS_M, keep_structure};
 use compass_host::plan_import::{self, PlanOptions};
 use compass_host::site::PackedPlan;
-use compass_host::surroundings::Surroundings;
+use compass_host::visual_descriptor::VisualDescriptor;
 use compass_tests::{angle, recordings};
 use std::path::Path;
 
@@ -61,7 +61,7 @@ fn layers(data: &Path) -> [PackedPlan; 2] {
 /// What one pair shows.
 struct Look {
     pose: Pose,
-    seen: Surroundings,
+    seen: VisualDescriptor,
     sighting: WindowEvidence,
     evidence: Box<EvidenceTable>,
     /// Scans of the layers at the true pose, and at the true position with heading 0; none inside a wall.
@@ -93,7 +93,7 @@ fn looks(data: &Path) -> Vec<Look> {
         let ranges = eyes.ranges(frames, &up, Some(height_m)).unwrap();
         let mut evidence = Box::new(EvidenceTable::EMPTY);
         weigh(ranges, height_rungs(height_m), &sighting, &mut evidence);
-        let seen = Surroundings::new(ranges, &sighting, Some(height_m));
+        let seen = VisualDescriptor::new(ranges, &sighting, Some(height_m));
         let at = [pose.position.x, pose.position.y];
         let scans = |heading: f64| layers.each_ref().map(|layer| layer.scan(at, heading).ok());
         let (ahead, east) = (scans(pose.heading_deg()), scans(0.0));
@@ -148,7 +148,7 @@ impl Look {
 
     fn off_by_channels(&self, weights: Weights) -> f64 {
         let mut query = Box::new(Query::EMPTY);
-        let Surroundings { scan, confidence, .. } = &self.seen;
+        let VisualDescriptor { scan, confidence, .. } = &self.seen;
         let only_hits = weights == Weights::HIT_TYPE;
         let confidence = if only_hits { &self.sighting.confidence } else { confidence };
         query.set(&Descriptor::from(scan), confidence, weights, Similarity::Centred);

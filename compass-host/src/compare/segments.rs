@@ -1,13 +1,12 @@
 //! Line segments: the core's detector against the reference, on a frame of the plan.
 
-use super::Stage;
+use super::{CompareError, Stage};
 use crate::calibration::Calibration;
 use crate::dataset::tum::Pose;
 use crate::frame::{Frame, SegmentDetector};
 use crate::plan_import::PlanRaster;
 use crate::reference::segments as reference;
 use crate::simulate::{Renderer, Scene, SceneOptions};
-use anyhow::{Context as _, Result};
 use compass_core::vision::segments::{Parameters, SEGMENT_COVERAGE, Segment};
 
 /// Segments correspond within this distance and angle.
@@ -26,7 +25,7 @@ const POSES: usize = 3;
 ///
 /// # Errors
 /// A plan without interior.
-pub fn stages(raster: &PlanRaster, seed: u64) -> Result<Vec<Stage>> {
+pub fn stages(raster: &PlanRaster, seed: u64) -> Result<Vec<Stage>, CompareError> {
     let rig = Calibration::nominal().rig([Some(FRAME); 2])?;
     let scene = Scene::new(&SceneOptions::default(), raster);
     let renderer = Renderer::new(&scene, &rig, None);
@@ -37,7 +36,7 @@ pub fn stages(raster: &PlanRaster, seed: u64) -> Result<Vec<Stage>> {
     for (x, y, heading) in super::interior_poses(raster, POSES, seed)? {
         let pose = Pose::looking(0, [x, y, HEIGHT_M], heading, 8.0, 185.0);
         for image in renderer.render(&pose).into_iter().flatten() {
-            let frame = Frame::from_rgb(image).context("a rendered frame")?;
+            let frame = Frame::from_rgb(image).ok_or(CompareError::Frame)?;
             let (width, height) = (frame.width() as usize, frame.height() as usize);
             let gray = frame.gray();
             let (found, _) = detector.detect(&gray, None, &Parameters::default())?;

@@ -1,13 +1,12 @@
 //! Up vector and ranges: the core against the reference, on frames of the plan.
 
-use super::Stage;
+use super::{CompareError, Stage};
 use crate::calibration::Calibration;
 use crate::dataset::tum::Pose;
 use crate::frame::{Frame, SegmentDetector};
 use crate::plan_import::PlanRaster;
 use crate::reference::{attitude as reference, boundary as real};
 use crate::simulate::{Renderer, Scene, SceneOptions};
-use anyhow::{Context as _, Result};
 use compass_core::base::ladder::RUNG;
 use compass_core::base::num::SupportNats;
 use compass_core::base::raster::GrayImage;
@@ -43,7 +42,7 @@ struct Differences {
 ///
 /// # Errors
 /// A plan without interior.
-pub fn stages(raster: &PlanRaster, seed: u64) -> Result<Vec<Stage>> {
+pub fn stages(raster: &PlanRaster, seed: u64) -> Result<Vec<Stage>, CompareError> {
     let rig = Calibration::nominal().rig([Some(FRAME); 2])?;
     let scene = Scene::new(&SceneOptions::default(), raster);
     let renderer = Renderer::new(&scene, &rig, None);
@@ -53,7 +52,7 @@ pub fn stages(raster: &PlanRaster, seed: u64) -> Result<Vec<Stage>> {
         let pose = Pose::looking(0, [x, y, HEIGHT_M], heading, 8.0, 185.0);
         let up: Bearing = pose.up_in_camera().cast();
         let [front, back] = renderer.render(&pose).map(|image| image.and_then(Frame::from_rgb));
-        let frames = [front.context("a rendered frame")?, back.context("a rendered frame")?];
+        let frames = [front.ok_or(CompareError::Frame)?, back.ok_or(CompareError::Frame)?];
         let mut segments = Vec::new();
         for (camera, view) in rig.views() {
             let (of, _) =
@@ -63,7 +62,7 @@ pub fn stages(raster: &PlanRaster, seed: u64) -> Result<Vec<Stage>> {
         found.add_up(&rig, &segments, up);
         let images = [0, 1].map(|camera: usize| frames[camera].gray());
         let smoothed = [0, 1].map(|camera: usize| detectors[camera].smoothed(&images[camera]));
-        found.add_ranges(&rig, &smoothed, LevelFrame::new(&up).context("a heading")?);
+        found.add_ranges(&rig, &smoothed, LevelFrame::new(&up).ok_or(CompareError::Heading)?);
     }
     Ok(found.stages())
 }

@@ -5,6 +5,7 @@
 //! that begin with `#` are passed over. At rest an accelerometer reads 9.81 upwards.
 
 use super::lines::{self, LinesError};
+use crate::calibration::Calibration;
 use nalgebra::Vector3;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -52,6 +53,15 @@ pub struct Gravity {
     pub length: f64,
     /// Number of readings.
     pub samples: usize,
+}
+
+impl Gravity {
+    /// The same in the axes of cam0; `None` if the calibration does not say how IMU and cam0 lie to each other.
+    #[must_use]
+    pub fn in_cam0(&self, calibration: &Calibration) -> Option<Self> {
+        let rotation = calibration.cameras[0].as_ref()?.from_imu?;
+        Some(Self { up: rotation.transform_vector(&self.up), ..*self })
+    }
 }
 
 /// A reading of the accelerometer.

@@ -2,6 +2,7 @@
 
 #[cfg(feature = "bag")]
 mod bag;
+mod error;
 mod euroc;
 pub mod imu;
 pub mod lines;

@@ -2,46 +2,19 @@
 //! from a ROS 2 bag. Frames are decoded when they are needed.
 
 #[cfg(feature = "bag")]
-use super::bag::{self, read as read_bag};
+use super::bag;
+pub use super::error::DatasetError;
 use super::euroc;
 use super::imu::Readings;
-use super::lines::LinesError;
 use super::pairs::{List, pair};
 pub use super::topics::Topics;
 use crate::calibration::Calibration;
 use crate::frame::Frame;
-use crate::image_file::ImageFileError;
+use crate::progress::{Progress, Silent};
 use std::path::{Path, PathBuf};
-use thiserror::Error;
 
 /// What tells a bag from other folders.
-pub(super) const METADATA: &str = "metadata.yaml";
-
-/// Why a recording could not be read: one line, with the file and the place at fault.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-pub enum DatasetError {
-    /// A list cannot be read, or a line of it is no frame or reading.
-    #[error(transparent)]
-    Lines(#[from] LinesError),
-    /// A frame cannot be read.
-    #[error(transparent)]
-    Image(#[from] ImageFileError),
-    /// The folder, or a file of a bag, is not as it should be.
-    #[error("{}: {problem}", path.display())]
-    Bad {
-        /// The folder or file.
-        path: PathBuf,
-        /// What is wrong with it, and where.
-        problem: String,
-    },
-}
-
-impl DatasetError {
-    pub(super) fn bad(path: &Path, problem: impl Into<String>) -> Self {
-        Self::Bad { path: path.to_path_buf(), problem: problem.into() }
-    }
-}
+const METADATA: &str = "metadata.yaml";
 
 /// The frames of one moment.
 #[derive(Debug, Clone)]
@@ -112,8 +85,21 @@ impl Recording {
         topics: Option<&Topics>,
         calibration: &Calibration,
     ) -> Result<Self, DatasetError> {
+        Self::read_with_progress(dir, topics, calibration, &Silent)
+    }
+
+    /// [`Recording::read`], showing its progress.
+    ///
+    /// # Errors
+    /// As [`Recording::read`].
+    pub fn read_with_progress(
+        dir: &Path,
+        topics: Option<&Topics>,
+        calibration: &Calibration,
+        progress: &dyn Progress,
+    ) -> Result<Self, DatasetError> {
         if dir.join(METADATA).exists() {
-            return read_bag(dir, topics, calibration);
+            return read_bag(dir, topics, calibration, progress);
         }
         if topics.is_some() {
             return Err(DatasetError::bad(
@@ -122,22 +108,43 @@ impl Recording {
             ));
         }
         let (lists, imu) = euroc::read(dir)?;
-        let lists =
-            lists.map(|list| list.into_iter().map(|(time, file)| (time, Source::File(file))).collect());
-        match Self::new(&lists, imu, None) {
+        match Self::new(lists, Source::File, imu, None) {
             recording if recording.shots.is_empty() => Err(DatasetError::bad(dir, no_frames(dir))),
             recording => Ok(recording),
         }
     }
 
-    pub(super) fn new(lists: &[List<Source>; 2], imu: Option<Readings>, topics: Option<Topics>) -> Self {
+    fn new<T>(
+        lists: [List<T>; 2],
+        source: fn(T) -> Source,
+        imu: Option<Readings>,
+        topics: Option<Topics>,
+    ) -> Self {
+        let sources = lists.map(|list| list.into_iter().map(|(time, place)| (time, source(place))).collect());
         let shot = |(timestamp_ns, images)| Shot { timestamp_ns, images };
-        Self { shots: pair(lists).into_iter().map(shot).collect(), imu, topics }
+        Self { shots: pair(&sources).into_iter().map(shot).collect(), imu, topics }
     }
 }
 
+#[cfg(feature = "bag")]
+fn read_bag(
+    dir: &Path,
+    topics: Option<&Topics>,
+    calibration: &Calibration,
+    progress: &dyn Progress,
+) -> Result<Recording, DatasetError> {
+    let bag::Contents { frames, imu, topics } =
+        bag::read(dir, &dir.join(METADATA), topics, calibration, progress)?;
+    Ok(Recording::new(frames, Source::Message, imu, Some(topics)))
+}
+
 #[cfg(not(feature = "bag"))]
-fn read_bag(dir: &Path, _: Option<&Topics>, _: &Calibration) -> Result<Recording, DatasetError> {
+fn read_bag(
+    dir: &Path,
+    _: Option<&Topics>,
+    _: &Calibration,
+    _: &dyn Progress,
+) -> Result<Recording, DatasetError> {
     Err(DatasetError::bad(dir, "a ROS 2 bag, and this program was built without the feature 'bag'"))
 }
 

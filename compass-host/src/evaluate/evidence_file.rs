@@ -3,9 +3,9 @@
 //! From the top: evidence of edges of the floor and of the ceiling by rung of range, as a [`BoundaryEvidence`] has it; whether
 //! range and hit type are known; the log odds of a window: high byte and low byte of the bits of [`LogOdds`] plus 2^15.
 
+use super::error::{EvaluateError, Result};
 use crate::image_file::{self, Samples};
-use crate::output::write_file;
-use anyhow::{Context as _, Result, bail};
+use crate::output::{OutputError, write_file};
 use compass_core::base::confidence::Confidence;
 use compass_core::base::num::{BINS, LogOdds};
 use compass_core::base::scan::Hit;
@@ -77,8 +77,8 @@ impl Evidence {
         let mut png = Vec::new();
         image::codecs::png::PngEncoder::new(&mut png)
             .write_image(&self.rows, BINS as u32, ROWS as u32, image::ExtendedColorType::L8)
-            .with_context(|| path.display().to_string())?;
-        write_file(path, &png)
+            .map_err(|source| OutputError::Encode { path: path.to_path_buf(), source })?;
+        Ok(write_file(path, &png)?)
     }
 
     /// Reads what was written so.
@@ -89,7 +89,7 @@ impl Evidence {
         let picture = image_file::read(path)?;
         let size = (picture.width as usize, picture.height as usize);
         let (Samples::Gray(rows), true) = (picture.samples, size == (BINS, ROWS)) else {
-            bail!("{}: no evidence", path.display());
+            return Err(EvaluateError::NoEvidence(path.to_path_buf()));
         };
         Ok(Self { rows })
     }

@@ -1,8 +1,8 @@
 //! Records as lines of a file, so that an interrupted run continues.
 
-use super::Record;
+use super::error::{EvaluateError, Result};
+use super::record::Record;
 use crate::output::write_file;
-use anyhow::{Context as _, Result};
 use std::collections::HashMap;
 use std::fs::{File, OpenOptions};
 use std::io::Write as _;
@@ -31,7 +31,7 @@ impl Journal {
         let text = match std::fs::read(path) {
             Ok(bytes) => String::from_utf8_lossy(&bytes).into_owned(),
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => String::new(),
-            Err(error) => return Err(error).with_context(|| format!("{}: cannot be read", path.display())),
+            Err(source) => return Err(EvaluateError::ReadJournal { path: path.to_path_buf(), source }),
         };
         let mut records = HashMap::new();
         let mut kept = String::new();
@@ -49,7 +49,7 @@ impl Journal {
         }
         write_file(path, kept.as_bytes())?;
         let file = OpenOptions::new().append(true).open(path);
-        let file = file.with_context(|| format!("{}: cannot be written", path.display()))?;
+        let file = file.map_err(|source| EvaluateError::WriteJournal { path: path.to_path_buf(), source })?;
         Ok(Self { path: path.to_path_buf(), fingerprints, inner: Mutex::new((file, records)) })
     }
 
@@ -80,7 +80,7 @@ impl Journal {
         let line = serde_json::to_string(&record)? + "\n";
         let mut inner = self.lock();
         let written = inner.0.write_all(line.as_bytes());
-        written.with_context(|| format!("{}: cannot be written", self.path.display()))?;
+        written.map_err(|source| EvaluateError::WriteJournal { path: self.path.clone(), source })?;
         inner.1.insert(record.timestamp_ns, record);
         Ok(())
     }

@@ -3,7 +3,7 @@
 //! In double precision and by `rustfft`, in all [`PAPER`] ways at once: the norm of a candidate under a mask depends on
 //! the heading, so that the core's bounds do not hold, and its exact sums take seconds.
 
-use super::PAPER;
+use super::record::PAPER;
 use compass_core::base::confidence::Confidence;
 use compass_core::base::num::{BINS, Score};
 use compass_core::base::scan::Scan;

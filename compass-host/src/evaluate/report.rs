@@ -1,10 +1,12 @@
 //! The report of an evaluation: its pictures and its page.
 
-use super::{Row, worst};
-use crate::as_built::Walls;
+use super::error::Result;
+use super::frame_errors::FrameErrors;
+use super::largest_errors;
+use super::row::Row;
 use crate::figures::{self, ErrorCurve, ErrorSeries, Fix, PlanPicture, TrajectoryPicture};
 use crate::report::{Picture, Section, Table, write_html};
-use anyhow::Result;
+use crate::wall_check::Walls;
 use compass_core::base::scan::Hit;
 use compass_core::map::plan::Plan;
 use std::path::Path;
@@ -12,30 +14,9 @@ use std::path::Path;
 /// How many of the worst frames are listed.
 const WORST: usize = 12;
 
-/// One frame for the report. Errors are infinite without a pose, and not a number without a truth.
-#[derive(Debug, Clone)]
-pub struct Shown {
-    /// The time of the frame.
-    pub timestamp_ns: u64,
-    /// Where it truly was, metres.
-    pub truth: Option<[f64; 2]>,
-    /// Where it was found by itself, on the floor that is shown.
-    pub single: Option<[f64; 2]>,
-    /// Where the track had it, on the floor that is shown.
-    pub track: Option<[f64; 2]>,
-    /// Position and heading error by row of the table: metres.
-    pub metres: Vec<f64>,
-    /// The same in degrees.
-    pub degrees: Vec<f64>,
-    /// By how many nats the single answer leads.
-    pub margin: f64,
-    /// Why nothing was seen.
-    pub problem: Option<String>,
-}
-
 /// Everything that the report tells.
 #[derive(Debug)]
-pub struct Story<'a> {
+pub struct ReportData<'a> {
     /// The page's title.
     pub title: &'a str,
     /// The plan of the floor.
@@ -43,7 +24,7 @@ pub struct Story<'a> {
     /// The ways of localizing, the single frames first, the track second.
     pub rows: &'a [Row],
     /// The frames in the order of time.
-    pub frames: &'a [Shown],
+    pub frames: &'a [FrameErrors],
     /// Whether each frame's single answer is right, where there is a truth.
     pub right: &'a [Option<bool>],
     /// Mean milliseconds by stage.
@@ -51,44 +32,44 @@ pub struct Story<'a> {
     /// What was seen of the plan's walls.
     pub walls: &'a Walls,
     /// Pictures of the worst frames.
-    pub worst: &'a [Picture],
+    pub largest_errors: &'a [Picture],
 }
 
 /// Draws the pictures and writes `report.html`.
 ///
 /// # Errors
 /// Names the file that cannot be written.
-pub fn write(dir: &Path, story: &Story<'_>) -> Result<()> {
-    draw_plan(&dir.join("trajectory.png"), story)?;
-    let first = story.frames.first().map_or(0, |frame| frame.timestamp_ns);
-    let seconds: Vec<f64> = story.frames.iter().map(|f| (f.timestamp_ns - first) as f64 / 1e9).collect();
-    let errors = |row: usize| -> Vec<f64> { story.frames.iter().map(|frame| frame.metres[row]).collect() };
+pub fn write(dir: &Path, data: &ReportData<'_>) -> Result<()> {
+    draw_plan(&dir.join("trajectory.png"), data)?;
+    let first = data.frames.first().map_or(0, |frame| frame.timestamp_ns);
+    let seconds: Vec<f64> = data.frames.iter().map(|f| (f.timestamp_ns - first) as f64 / 1e9).collect();
+    let errors = |row: usize| -> Vec<f64> { data.frames.iter().map(|frame| frame.metres[row]).collect() };
     let [single, track] = [errors(0), errors(1)];
     let curves = [
         ErrorCurve { label: "single frames", metres: &single, joined: false },
         ErrorCurve { label: "track", metres: &track, joined: true },
     ];
     figures::draw_errors_over_time(&dir.join("errors.png"), &seconds, &curves)?;
-    draw_distribution(&dir.join("recall.png"), story)?;
-    let pairs = story.frames.iter().zip(story.right);
+    draw_distribution(&dir.join("recall.png"), data)?;
+    let pairs = data.frames.iter().zip(data.right);
     let answers: Vec<_> = pairs.filter_map(|(frame, right)| Some((frame.margin, (*right)?))).collect();
     figures::draw_reliability(&dir.join("reliability.png"), &answers)?;
-    with_plan(&story.plan, |plan| figures::draw_as_built(&dir.join("walls.png"), plan, story.walls))?;
-    Ok(write_html(&dir.join("report.html"), story.title, &sections(story))?)
+    with_plan(&data.plan, |plan| figures::draw_wall_check(&dir.join("walls.png"), plan, data.walls))?;
+    Ok(write_html(&dir.join("report.html"), data.title, &sections(data))?)
 }
 
-fn draw_plan(path: &Path, story: &Story<'_>) -> Result<()> {
-    let truth: Vec<_> = story.frames.iter().filter_map(|frame| frame.truth).collect();
-    let fixes = story.frames.iter().filter_map(|f| Some(Fix { position: f.single?, truth: f.truth }));
+fn draw_plan(path: &Path, data: &ReportData<'_>) -> Result<()> {
+    let truth: Vec<_> = data.frames.iter().filter_map(|frame| frame.truth).collect();
+    let fixes = data.frames.iter().filter_map(|f| Some(Fix { position: f.single?, truth: f.truth }));
     let fixes: Vec<_> = fixes.collect();
-    let pieces: Vec<Vec<_>> = story
+    let pieces: Vec<Vec<_>> = data
         .frames
         .split(|frame| frame.track.is_none())
         .map(|piece| piece.iter().filter_map(|frame| frame.track).collect())
         .collect();
-    let caption = format!("{} frames: where they were and where they were found", story.frames.len());
-    let data = TrajectoryPicture { caption: &caption, truth: &truth, fixes: &fixes, track: &pieces };
-    with_plan(&story.plan, |plan| figures::draw_trajectory(path, plan, &data))?;
+    let caption = format!("{} frames: where they were and where they were found", data.frames.len());
+    let picture = TrajectoryPicture { caption: &caption, truth: &truth, fixes: &fixes, track: &pieces };
+    with_plan(&data.plan, |plan| figures::draw_trajectory(path, plan, &picture))?;
     Ok(())
 }
 
@@ -106,14 +87,14 @@ fn with_plan<T>(plan: &Plan<'_>, draw: impl FnOnce(&PlanPicture<'_>) -> T) -> T 
     })
 }
 
-fn draw_distribution(path: &Path, story: &Story<'_>) -> Result<()> {
-    let scored: Vec<&Shown> = story.frames.iter().filter(|frame| frame.truth.is_some()).collect();
+fn draw_distribution(path: &Path, data: &ReportData<'_>) -> Result<()> {
+    let scored: Vec<&FrameErrors> = data.frames.iter().filter(|frame| frame.truth.is_some()).collect();
     let of = |row: usize| -> [Vec<f64>; 2] {
         let metres = scored.iter().map(|frame| frame.metres[row]).collect();
         [metres, scored.iter().map(|frame| frame.degrees[row]).collect()]
     };
-    let errors: Vec<_> = (0..story.rows.len()).map(of).collect();
-    let series: Vec<_> = story
+    let errors: Vec<_> = (0..data.rows.len()).map(of).collect();
+    let series: Vec<_> = data
         .rows
         .iter()
         .zip(&errors)
@@ -126,7 +107,7 @@ fn draw_distribution(path: &Path, story: &Story<'_>) -> Result<()> {
     Ok(figures::draw_error_cdf(path, &series)?)
 }
 
-fn sections(story: &Story<'_>) -> Vec<Section> {
+fn sections(data: &ReportData<'_>) -> Vec<Section> {
     let picture = |file: &str, caption: &str| Picture { file: file.into(), caption: caption.into() };
     vec![
         Section {
@@ -138,7 +119,7 @@ fn sections(story: &Story<'_>) -> Vec<Section> {
                  centred, and centred of the hit type and of the range alone."
                     .into(),
             ],
-            tables: vec![recall(story.rows), headings(story)],
+            tables: vec![recall(data.rows), headings(data)],
             pictures: vec![
                 picture("trajectory.png", "Truth, frames by themselves and track over the plan"),
                 picture("errors.png", "Position error over time"),
@@ -162,15 +143,15 @@ fn sections(story: &Story<'_>) -> Vec<Section> {
         },
         Section {
             title: "Worst frames".into(),
-            tables: vec![worst_frames(story)],
-            pictures: story.worst.to_vec(),
+            tables: vec![worst_frames(data)],
+            pictures: data.largest_errors.to_vec(),
             ..Section::default()
         },
         Section {
             title: "Time".into(),
             tables: vec![Table {
                 caption: "Mean milliseconds of a frame, one thread".into(),
-                ..Table::pairs(story.milliseconds.iter().map(|(stage, ms)| (stage.clone(), format!("{ms:.1}"))))
+                ..Table::pairs(data.milliseconds.iter().map(|(stage, ms)| (stage.clone(), format!("{ms:.1}"))))
             }],
             ..Section::default()
         },
@@ -207,8 +188,8 @@ const CONFUSIONS: [(&str, f64); 3] =
 const ALIKE_DEG: f64 = 15.0;
 
 /// What headings are confused with: rooms look alike from opposite ends, and buildings have right angles.
-fn headings(story: &Story<'_>) -> Table {
-    let scored: Vec<&Shown> = story.frames.iter().filter(|frame| frame.truth.is_some()).collect();
+fn headings(data: &ReportData<'_>) -> Table {
+    let scored: Vec<&FrameErrors> = data.frames.iter().filter(|frame| frame.truth.is_some()).collect();
     let share = |count: usize| format!("{:.1} %", 100.0 * count as f64 / scored.len().max(1) as f64);
     let row = |(number, row): (usize, &Row)| {
         let errors = || scored.iter().map(|frame| frame.degrees[number]);
@@ -222,7 +203,7 @@ fn headings(story: &Story<'_>) -> Table {
     Table {
         caption: "Headings, to 15 degrees, wherever the position".into(),
         head: head.map(String::from).collect(),
-        rows: story.rows.iter().enumerate().map(row).collect(),
+        rows: data.rows.iter().enumerate().map(row).collect(),
     }
 }
 
@@ -231,8 +212,8 @@ fn metric(value: f64, digits: usize) -> String {
     if value.is_finite() { format!("{value:.digits$}") } else { "\u{2013}".to_owned() }
 }
 
-fn worst_frames(story: &Story<'_>) -> Table {
-    let frames = worst::by_error(story.frames);
+fn worst_frames(data: &ReportData<'_>) -> Table {
+    let frames = largest_errors::by_error(data.frames);
     let at = |position: Option<[f64; 2]>| {
         position.map_or("\u{2013}".to_owned(), |[x, y]| format!("{x:.2}, {y:.2}"))
     };

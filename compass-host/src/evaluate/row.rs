@@ -1,6 +1,6 @@
 //! Errors, and what they come to over all frames.
 
-use super::Found;
+use super::record::Found;
 use crate::dataset::tum::Pose;
 use crate::output::Decimal;
 use crate::site::wrapped;

@@ -1,12 +1,15 @@
 //! The track of a recording, and trajectories to write.
 
-use super::{Evidence, Found, Job, Judge, Record};
-use crate::as_built::Walls;
+use super::error::Result;
+use super::evidence_file::Evidence;
+use super::job::Job;
+use super::record::{Found, Record};
+use super::row::Judge;
 use crate::dataset::trajectory::Trajectory;
 use crate::dataset::tum::Pose;
 use crate::locator::Locator;
-use crate::site::progress;
-use anyhow::Result;
+use crate::progress::Progress;
+use crate::wall_check::Walls;
 use compass_core::pose::ScoredPose;
 use compass_core::pose::evidence::EvidenceTable;
 use compass_core::pose::heights::HeightMemory;
@@ -32,7 +35,7 @@ pub const SURE: f32 = 0.9;
 /// Follows the records in the order of time, with the evidence that was kept of them. Where nothing was seen the
 /// estimate goes on by odometry, or stays.
 ///
-/// Whoever carries the cameras keeps their height, and a storey its ceiling: a frame that is not sure and found other
+/// Whoever carries the cameras keeps their height, and a floor its ceiling: a frame that is not sure and found other
 /// heights than the sure ones before it is searched anew with [theirs](HeightMemory), and the answer that leads by more counts.
 ///
 /// # Errors
@@ -42,15 +45,16 @@ pub fn follow(
     records: &[Record],
     locator: &mut Locator<'_>,
     odometry: Option<&Trajectory>,
+    progress: &dyn Progress,
 ) -> Result<Followed> {
     let mut track = Track::new();
     let (mut before, mut usual): (Option<u64>, HeightMemory) = (None, HeightMemory::new());
     let (nothing, mut walls) = (Box::new(EvidenceTable::EMPTY), Walls::default());
-    let plan = job.storeys.get(job.floor).and_then(|storey| storey.floor?.plan(0));
+    let plan = job.floors.get(job.floor).and_then(|floor| floor.floor?.plan(0));
     let (mut estimates, mut seconds, mut steps) = (Vec::with_capacity(records.len()), 0.0, 0);
-    let bar = progress(records.len(), "following");
+    let steps_done = progress.begin(records.len(), "following");
     for record in records {
-        bar.inc(1);
+        steps_done.step();
         let seconds_since = before.map_or(0.0, |before| (record.timestamp_ns - before) as f32 / 1e9);
         let motion = before.zip(odometry).and_then(|(before, way)| way.motion(before, record.timestamp_ns));
         if record.problem.is_some() {
@@ -79,7 +83,6 @@ pub fn follow(
         steps += 1;
         before = Some(record.timestamp_ns);
     }
-    bar.finish_and_clear();
     Ok(Followed { estimates, milliseconds: 1e3 * seconds / f64::from(steps.max(1)), walls })
 }
 

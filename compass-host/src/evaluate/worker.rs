@@ -1,6 +1,11 @@
 //! One thread's eyes and searches.
 
-use super::{Evidence, Found, Job, PAPER, Paper, Record, oracle};
+use super::error::Result;
+use super::evidence_file::Evidence;
+use super::job::Job;
+use super::oracle;
+use super::paper::Paper;
+use super::record::{Found, PAPER, Record};
 use crate::clock::Clock;
 use crate::dataset::recording::{Shot, Source};
 use crate::eyes::{Eyes, EyesError};
@@ -8,7 +13,6 @@ use crate::frame::Frame;
 use crate::locator::{Locator, NoPlan};
 use crate::site;
 use crate::up::{UpFrom, UpSources};
-use anyhow::Result;
 use compass_core::base::confidence::Confidence;
 use compass_core::base::ladder::{NOMINAL_HEIGHT_M, height_rungs};
 use compass_core::base::num::BINS;
@@ -46,7 +50,7 @@ impl<'a> Worker<'a> {
     /// # Errors
     /// [`NoPlan`] if a floor has no plan to refine poses on.
     pub fn new(job: &'a Job<'a>) -> Result<Self, NoPlan> {
-        let locator = Locator::new(job.storeys)?;
+        let locator = Locator::new(job.floors)?;
         Ok(Self {
             job,
             eyes: Vec::new(),
@@ -170,7 +174,7 @@ impl<'a> Worker<'a> {
     fn oracle(&mut self, record: &mut Record, clock: &mut Clock) {
         let Some(truth) = self.job.truth.at(record.timestamp_ns) else { return };
         clock.restart();
-        let plan = self.job.storeys.get(self.job.floor).and_then(|storey| storey.floor?.plan(0));
+        let plan = self.job.floors.get(self.job.floor).and_then(|floor| floor.floor?.plan(0));
         let at = site::point(truth.position.x, truth.position.y);
         let mut scan = Scan { steps: [0; BINS], ..Scan::OPEN };
         if let Some((plan, at)) = plan.zip(at)

@@ -2,7 +2,8 @@
 
 use plotters::style::text_anchor::{HPos, VPos};
 
-use super::canvas::{Canvas, DrawError, Drawn, LEFT, Px, RIGHT, Rect};
+use super::canvas::{Canvas, LEFT, Px, RIGHT, Rect};
+use super::error::{DrawError, Drawn};
 use super::style::{GRID, INK, Pen, TEXT_PX, TICK_PX, nice_ticks, number, viridis};
 use super::text::text_width;
 

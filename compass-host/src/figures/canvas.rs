@@ -7,6 +7,7 @@ use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
 
+use super::error::{DrawError, Drawn};
 use super::style::{INK, PAPER, Pen, TEXT_PX};
 use super::text::{set, text_width};
 
@@ -20,12 +21,6 @@ const DESCENT: f64 = 0.24;
 
 /// A point in pixels: x right, y down.
 pub(super) type Px = [f64; 2];
-
-/// Why drawing failed: bad data in words, or an error of the drawing library.
-pub(super) type DrawError = Box<dyn std::error::Error + Send + Sync>;
-
-/// What every drawing step returns.
-pub(super) type Drawn = Result<(), DrawError>;
 
 /// A rectangle in pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -5,8 +5,8 @@ use std::path::Path;
 use plotters::style::text_anchor::{HPos, VPos};
 
 use super::axes::{Axes, Axis, BELOW, BESIDE};
-use super::canvas::{Canvas, DrawError, Drawn};
-use super::output::FigureError;
+use super::canvas::Canvas;
+use super::error::{DrawError, Drawn, FigureError};
 use super::page::{Entry, Page, Symbol};
 use super::style::{self, MUTED, Pen, TEXT_PX, nice_step};
 use super::text::text_width;

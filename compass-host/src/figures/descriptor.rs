@@ -5,8 +5,8 @@ use std::path::Path;
 use plotters::style::text_anchor::{HPos, VPos};
 
 use super::axes::{Axes, Axis, BELOW, draw_colour_bar};
-use super::canvas::{Canvas, Drawn, RIGHT, Rect};
-use super::output::FigureError;
+use super::canvas::{Canvas, RIGHT, Rect};
+use super::error::{Drawn, FigureError};
 use super::page::{Entry, Page, Symbol};
 use super::style::{MUTED, TEXT_PX, TICK_PX, nice_step, viridis};
 

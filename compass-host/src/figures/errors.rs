@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use super::axes::{ABOVE, Axes, Axis, BELOW, BESIDE};
-use super::canvas::{Canvas, Drawn, Rect};
-use super::output::FigureError;
+use super::canvas::{Canvas, Rect};
+use super::error::{Drawn, FigureError};
 use super::page::{Entry, Page, Symbol};
 use super::style::{MUTED, Pen, number};
 

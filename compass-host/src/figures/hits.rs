@@ -6,8 +6,8 @@ use compass_core::base::scan::Hit;
 use plotters::style::RGBColor;
 
 use super::axes::{Axes, Axis, BELOW, BESIDE};
-use super::canvas::{CENTRE, Canvas, Drawn, LEFT, RIGHT, Rect};
-use super::output::FigureError;
+use super::canvas::{CENTRE, Canvas, LEFT, RIGHT, Rect};
+use super::error::{Drawn, FigureError};
 use super::page::{Entry, Page, Symbol, hit_entries};
 use super::polar::Dial;
 use super::style::{AGREE, DISAGREE, INK, PAPER, Pen, TEXT_PX, TICK_PX, UNKNOWN, hit_colour, score};

@@ -5,14 +5,13 @@
 //! safe palette in which wall, window and open keep their colours from figure to figure.
 //! A file appears only when it is complete.
 
-mod as_built;
 mod axes;
 mod canvas;
 mod correlation;
 mod descriptor;
+mod error;
 mod errors;
 mod hits;
-mod output;
 mod overlay;
 mod page;
 mod panorama;
@@ -27,14 +26,13 @@ mod style;
 mod text;
 mod timeline;
 mod trajectory;
+mod wall_check;
 
-pub use as_built::draw_as_built;
 pub use correlation::{Curve, Shifts, draw_correlation};
 pub use descriptor::{draw_descriptor, draw_descriptors};
+pub use error::FigureError;
 pub use errors::{ErrorSeries, draw_error_cdf};
 pub use hits::{HitComparison, draw_hits_linear, draw_hits_polar};
-pub use output::FigureError;
-pub(crate) use output::write_atomically;
 pub use overlay::{Layer, draw_overlay};
 pub use panorama::{PanoramaPicture, draw_panorama};
 pub use plan::PlanPicture;
@@ -47,6 +45,7 @@ pub use site_map::{MapPose, Scores, SiteMapPicture, draw_site_map};
 pub use style::{AGREE, DISAGREE, OPEN, WALL, WIDTH_PX, WINDOW};
 pub use timeline::{ErrorCurve, draw_errors_over_time, draw_reliability};
 pub use trajectory::{Fix, TrajectoryPicture, draw_trajectory};
+pub use wall_check::draw_wall_check;
 
 #[cfg(test)]
 mod tests;

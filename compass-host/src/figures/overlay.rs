@@ -4,8 +4,8 @@ use std::path::Path;
 
 use plotters::style::RGBColor;
 
-use super::canvas::{CENTRE, Canvas, Drawn, Px, Rect};
-use super::output::FigureError;
+use super::canvas::{CENTRE, Canvas, Px, Rect};
+use super::error::{Drawn, FigureError};
 use super::page::{Entry, Page, Symbol};
 use super::style::{INK, PAPER, Pen, TICK_PX};
 use super::text::text_width;

@@ -5,8 +5,10 @@ use std::path::Path;
 use compass_core::base::scan::Hit;
 use plotters::style::RGBColor;
 
-use super::canvas::{Canvas, DrawError, Drawn, LEFT, Px, Rect, to_png};
-use super::output::{FigureError, write_atomically};
+use crate::output::write_file;
+
+use super::canvas::{Canvas, LEFT, Px, Rect, to_png};
+use super::error::{DrawError, Drawn, FigureError};
 use super::style::{HITS, PAPER, Pen, TEXT_PX, WIDTH_PX, hit_colour, hit_name};
 use super::text::{text_width, wrap};
 
@@ -68,7 +70,7 @@ impl Page<'_> {
     /// Draws the page with `body` in the middle and writes it.
     pub(super) fn draw(&self, body: impl FnOnce(&Canvas<'_>, Rect) -> Drawn) -> Result<(), FigureError> {
         let png = self.render(body).map_err(|e| FigureError::draw(self.path, &*e))?;
-        write_atomically(self.path, &png)
+        Ok(write_file(self.path, &png)?)
     }
 
     fn render(&self, body: impl FnOnce(&Canvas<'_>, Rect) -> Drawn) -> Result<Vec<u8>, DrawError> {

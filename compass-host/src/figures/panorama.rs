@@ -5,8 +5,8 @@ use std::path::Path;
 use plotters::style::RGBColor;
 use rayon::prelude::*;
 
-use super::canvas::{CENTRE, Canvas, Drawn, LEFT, Px, RIGHT, Rect};
-use super::output::FigureError;
+use super::canvas::{CENTRE, Canvas, LEFT, Px, RIGHT, Rect};
+use super::error::{Drawn, FigureError};
 use super::page::{Entry, Page, Symbol};
 use super::style::{INK, Pen, TICK_PX, UNKNOWN, number};
 

@@ -3,7 +3,8 @@
 use std::fmt;
 
 use super::axes::{ABOVE, Axes, Axis, BELOW, BESIDE};
-use super::canvas::{Canvas, DrawError, Drawn, Rect};
+use super::canvas::{Canvas, Rect};
+use super::error::{DrawError, Drawn};
 use super::style::{PLAN_WALL, WINDOW};
 
 /// Tallest plot of a plan in pixels.

@@ -6,8 +6,8 @@ use compass_core::base::scan::Hit;
 use plotters::style::RGBColor;
 use plotters::style::text_anchor::{HPos, VPos};
 
-use super::canvas::{Anchor, CENTRE, Canvas, Drawn, Px, Rect};
-use super::output::FigureError;
+use super::canvas::{Anchor, CENTRE, Canvas, Px, Rect};
+use super::error::{Drawn, FigureError};
 use super::page::{Page, hit_entries};
 use super::style::{INK, PAPER, Pen, TICK_PX, hit_colour, nice_ticks, number, tint};
 use super::text::text_width;

@@ -5,8 +5,8 @@ use std::path::Path;
 use compass_core::base::scan::Hit;
 
 use super::axes::{ABOVE, Axes, Axis, BELOW, BESIDE};
-use super::canvas::{Canvas, Drawn, Rect};
-use super::output::FigureError;
+use super::canvas::{Canvas, Rect};
+use super::error::{Drawn, FigureError};
 use super::page::{Page, hit_entries};
 use super::style::{Pen, hit_colour, nice_step, tint};
 

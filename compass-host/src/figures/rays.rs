@@ -5,8 +5,8 @@ use std::path::Path;
 use compass_core::base::scan::Hit;
 
 use super::axes::Axes;
-use super::canvas::{Canvas, DrawError, Drawn};
-use super::output::FigureError;
+use super::canvas::Canvas;
+use super::error::{DrawError, Drawn, FigureError};
 use super::page::{Entry, Page, Symbol, draw_pose, hit_entries};
 use super::plan::{Extent, MapLayout, PlanPicture};
 use super::style::{FOUND, Pen, hit_colour, number, tint};

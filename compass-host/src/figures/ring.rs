@@ -9,8 +9,8 @@ use compass_core::vision::panorama::{Resolution, TOP_DEG};
 use compass_core::vision::windows::{Edge, Window, WindowBox};
 use plotters::style::RGBColor;
 
-use super::canvas::{CENTRE, Canvas, Drawn, LEFT, RIGHT, Rect};
-use super::output::FigureError;
+use super::canvas::{CENTRE, Canvas, LEFT, RIGHT, Rect};
+use super::error::{Drawn, FigureError};
 use super::overlay::Notes;
 use super::page::{Entry, Page, Symbol};
 use super::style::{INK, Pen, TICK_PX, UNKNOWN, WALL, WINDOW, number};

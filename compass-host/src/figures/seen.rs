@@ -5,8 +5,8 @@ use std::path::Path;
 use compass_core::base::scan::Hit;
 use plotters::style::RGBColor;
 
-use super::canvas::{CENTRE, Canvas, Drawn};
-use super::output::FigureError;
+use super::canvas::{CENTRE, Canvas};
+use super::error::{Drawn, FigureError};
 use super::page::{Entry, Page, Symbol, hit_entries};
 use super::polar::Dial;
 use super::style::{INK, Pen, TEXT_PX, UNKNOWN, hit_colour};

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use super::axes::{Axes, draw_colour_bar};
-use super::canvas::{Canvas, DrawError, Drawn, Rect};
-use super::output::FigureError;
+use super::canvas::{Canvas, Rect};
+use super::error::{DrawError, Drawn, FigureError};
 use super::page::{Entry, Page, Symbol, draw_pose};
 use super::plan::{MapLayout, PlanPicture};
 use super::style::{FOUND, MUTED, TRUTH, number, tint, viridis};

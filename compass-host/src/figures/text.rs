@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 
 use ab_glyph::{Font, FontRef, PxScaleFont, ScaleFont, point};
 
-use super::canvas::DrawError;
+use super::error::DrawError;
 
 /// Noto Sans, SIL Open Font License 1.1.
 fn font() -> Result<&'static FontRef<'static>, DrawError> {

@@ -5,8 +5,8 @@ use std::path::Path;
 use plotters::style::text_anchor::{HPos, VPos};
 
 use super::axes::{ABOVE, Axes, Axis, BELOW, BESIDE};
-use super::canvas::{Drawn, Px, Rect};
-use super::output::FigureError;
+use super::canvas::{Px, Rect};
+use super::error::{Drawn, FigureError};
 use super::page::{Entry, Page, Symbol};
 use super::style::{AGREE, MUTED, Pen, TICK_PX, number};
 

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use super::axes::draw_colour_bar;
-use super::canvas::{Canvas, DrawError, Px, Rect};
-use super::output::FigureError;
+use super::canvas::{Canvas, Px, Rect};
+use super::error::{DrawError, FigureError};
 use super::page::{Entry, Page, Symbol};
 use super::plan::{MapLayout, PlanPicture};
 use super::style::{DISAGREE, FOUND, INK, MUTED, Pen, TRUTH, tint, viridis};

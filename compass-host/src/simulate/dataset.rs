@@ -3,10 +3,9 @@
 
 use super::Renderer;
 use crate::dataset::tum::{self, Pose};
-use crate::output::{create_dir, write_file};
-use crate::site::progress;
-use anyhow::{Context as _, Result};
-use image::{ImageEncoder as _, RgbImage};
+use crate::output::{OutputError, create_dir, write_file};
+use crate::progress::Progress;
+use image::{ImageEncoder as _, ImageError, RgbImage};
 use rayon::prelude::*;
 use std::fmt::Write as _;
 use std::path::Path;
@@ -28,7 +27,7 @@ impl Format {
         }
     }
 
-    fn encode(self, frame: &RgbImage) -> Result<Vec<u8>> {
+    fn encode(self, frame: &RgbImage) -> Result<Vec<u8>, ImageError> {
         let mut bytes = Vec::new();
         let (width, height, colour) = (frame.width(), frame.height(), image::ExtendedColorType::Rgb8);
         let encoded = match self {
@@ -48,23 +47,30 @@ impl Format {
 ///
 /// # Errors
 /// Names the file or directory that could not be written.
-pub fn write(dir: &Path, renderer: &Renderer<'_>, poses: &[Pose], format: Format) -> Result<()> {
+pub fn write(
+    dir: &Path,
+    renderer: &Renderer<'_>,
+    poses: &[Pose],
+    format: Format,
+    progress: &dyn Progress,
+) -> Result<(), OutputError> {
     let cameras: Vec<usize> = renderer.cameras().collect();
     for camera in &cameras {
         create_dir(&dir.join(format!("cam{camera}/data")))?;
     }
-    let bar = progress(poses.len(), "rendering frames");
-    poses.par_iter().try_for_each(|pose| -> Result<()> {
+    let steps = progress.begin(poses.len(), "rendering frames");
+    poses.par_iter().try_for_each(|pose| {
         for (camera, frame) in renderer.render(pose).iter().enumerate() {
             let Some(frame) = frame else { continue };
             let path = dir.join(format!("cam{camera}/data")).join(file_name(pose, format));
-            let bytes = format.encode(frame).with_context(|| path.display().to_string())?;
+            let bytes =
+                format.encode(frame).map_err(|source| OutputError::Encode { path: path.clone(), source })?;
             write_file(&path, &bytes)?;
         }
-        bar.inc(1);
+        steps.step();
         Ok(())
     })?;
-    bar.finish_and_clear();
+    drop(steps);
     let mut list = String::from("#timestamp [ns],filename\n");
     for pose in poses {
         let _ = writeln!(list, "{},{}", pose.timestamp_ns, file_name(pose, format));

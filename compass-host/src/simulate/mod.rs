@@ -16,6 +16,7 @@ mod scene;
 mod sensor;
 mod shade;
 mod solids;
+mod style;
 mod texture;
 
 pub use scene::{Scene, SceneOptions};

@@ -1,7 +1,7 @@
 //! The glazing of a plan as panes: connected pieces of glass, each an opening with sill, lintel, frame and
 //! mullions.
 
-use super::scene::Look;
+use super::style::Look;
 use super::texture::{hash, unit};
 use crate::plan_import::PlanRaster;
 use std::collections::HashMap;

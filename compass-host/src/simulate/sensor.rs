@@ -1,6 +1,6 @@
 //! From radiance to bytes: blur and glow, exposure, noise and the tone curve.
 
-use super::scene::Look;
+use super::style::Look;
 use image::RgbImage;
 use rand::Rng;
 

@@ -3,8 +3,9 @@
 use super::fan::Fan;
 use super::grid::Surface;
 use super::panes::Pane;
-use super::scene::{Colour, Scene};
+use super::scene::Scene;
 use super::solids::{Met, SHADOW_M, Shape, Sight, Solid};
+use super::style::Colour;
 use super::texture::{grain, hash, line, noise, unit};
 use nalgebra::Vector3;
 

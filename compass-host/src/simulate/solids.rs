@@ -1,6 +1,6 @@
 //! What stands in the rooms: boxes and ellipsoids, and the people made of them.
 
-use super::scene::Colour;
+use super::style::Colour;
 use nalgebra::Vector3;
 use rand::{Rng, RngExt as _};
 

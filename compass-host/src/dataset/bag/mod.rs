@@ -10,16 +10,15 @@ mod message;
 mod metadata;
 mod sqlite_file;
 
+use super::error::DatasetError;
 use super::imu::{Reading, Readings};
 use super::pairs::List;
-use super::recording::{DatasetError, METADATA, Recording, Source};
 use super::topics::Topics;
 use crate::calibration::Calibration;
 use crate::frame::Frame;
 use crate::image_file::Pixels;
-use crate::site::progress;
+use crate::progress::{Progress, Steps};
 use choice::Role;
-use indicatif::ProgressBar;
 use metadata::{Compression, Metadata, Storage, Topic};
 use std::fs::File;
 use std::io::Read;
@@ -27,19 +26,30 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use tempfile::TempPath;
 
-/// Reads a bag's stamps and readings.
+/// What was taken from a bag.
+pub(super) struct Contents {
+    /// The frames of cam0 and cam1.
+    pub(super) frames: [List<Message>; 2],
+    /// The accelerometer, where there is one.
+    pub(super) imu: Option<Readings>,
+    /// The topics that were read.
+    pub(super) topics: Topics,
+}
+
+/// Reads a bag's stamps and readings: the bag in `dir` that the file `metadata` describes.
 pub(super) fn read(
     dir: &Path,
+    metadata: &Path,
     topics: Option<&Topics>,
     calibration: &Calibration,
-) -> Result<Recording, DatasetError> {
-    let bad = |problem| DatasetError::bad(&dir.join(METADATA), problem);
-    let metadata = Metadata::read(&dir.join(METADATA)).map_err(bad)?;
+    progress: &dyn Progress,
+) -> Result<Contents, DatasetError> {
+    let metadata = Metadata::read(metadata).map_err(|problem| DatasetError::bad(metadata, problem))?;
     let chosen =
         choice::choose(&metadata.topics, topics, calibration).map_err(|p| DatasetError::bad(dir, p))?;
     let messages = chosen.iter().map(|(_, topic)| topic.count).sum();
     let bag = Arc::new(Bag::open(dir, metadata)?);
-    let mut scan = Scan::new(bag, chosen, progress(messages, "reading the bag"));
+    let mut scan = Scan::new(bag, chosen, progress.begin(messages, "reading the bag"));
     for file in 0..scan.bag.files.len() {
         scan.visit(file)?;
     }
@@ -97,7 +107,7 @@ impl Message {
         }
     }
 
-    /// See [`Source::identity`].
+    /// See [`Source::identity`](super::recording::Source::identity).
     pub(super) fn identity(&self) -> String {
         let file = &self.bag.files[self.file];
         format!("{} {} {} {:?}", file.name.display(), file.bytes, self.topic.name, self.place)
@@ -159,22 +169,22 @@ fn unpack(packed: &Path) -> std::io::Result<TempPath> {
 struct Scan {
     bag: Arc<Bag>,
     topics: Vec<(Role, Arc<Topic>)>,
-    frames: [List<Source>; 2],
+    frames: [List<Message>; 2],
     readings: Vec<Reading>,
-    bar: ProgressBar,
+    steps: Box<dyn Steps>,
 }
 
 impl Scan {
-    fn new(bag: Arc<Bag>, topics: Vec<(Role, Topic)>, bar: ProgressBar) -> Self {
+    fn new(bag: Arc<Bag>, topics: Vec<(Role, Topic)>, steps: Box<dyn Steps>) -> Self {
         let topics = topics.into_iter().map(|(role, topic)| (role, Arc::new(topic))).collect();
-        Self { bag, topics, frames: [List::new(), List::new()], readings: Vec::new(), bar }
+        Self { bag, topics, frames: [List::new(), List::new()], readings: Vec::new(), steps }
     }
 
     fn visit(&mut self, file: usize) -> Result<(), DatasetError> {
         let bag = Arc::clone(&self.bag);
         let names: Vec<String> = self.topics.iter().map(|(_, topic)| topic.name.clone()).collect();
         let mut take = |topic: usize, place: Place, input: &mut dyn Read| {
-            self.bar.inc(1);
+            self.steps.step();
             self.take(topic, file, place, input).map_err(|problem| format!("{}: {problem}", names[topic]))
         };
         let file = &bag.files[file];
@@ -200,7 +210,7 @@ impl Scan {
                 let (bag, topic) = (Arc::clone(&self.bag), Arc::clone(topic));
                 let stamp_ns = message::stamp(input)?;
                 let message = Message { bag, topic, file, place, stamp_ns };
-                match self.frames[*camera].insert(stamp_ns, Source::Message(message)) {
+                match self.frames[*camera].insert(stamp_ns, message) {
                     Some(_) => Err(format!("two messages have the stamp {stamp_ns} ns")),
                     None => Ok(()),
                 }
@@ -212,8 +222,7 @@ impl Scan {
         }
     }
 
-    fn finish(self, dir: &Path) -> Result<Recording, DatasetError> {
-        self.bar.finish_and_clear();
+    fn finish(self, dir: &Path) -> Result<Contents, DatasetError> {
         let mut topics = Topics::default();
         let mut imu = None;
         for (role, Topic { name, .. }) in self.topics.iter().map(|(role, topic)| (role, &**topic)) {
@@ -233,6 +242,6 @@ impl Scan {
             }
         }
         let imu = imu.map(|name| Readings::new(name, self.readings));
-        Ok(Recording::new(&self.frames, imu, Some(topics)))
+        Ok(Contents { frames: self.frames, imu, topics })
     }
 }

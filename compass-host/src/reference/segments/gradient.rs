@@ -1,6 +1,6 @@
 //! Blur, Sobel gradient, edge axes and anchors.
 
-use super::Options;
+use super::options::Options;
 
 /// A pixel as column and row.
 pub(super) type Pixel = [i32; 2];

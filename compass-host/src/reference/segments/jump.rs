@@ -1,9 +1,9 @@
 //! Bridging gaps: does the edge go on beyond the end of a segment?
 
-use super::Options;
 use super::gradient::{Axis, Field, Pixel};
 use super::line::Line;
-use super::walk::{End, Traced, step};
+use super::options::Options;
+use super::traced::{End, Traced, step};
 
 /// Unit vector that leads out of a segment at one end.
 pub(super) fn heading(line: &Line, end: End) -> [f64; 2] {

@@ -2,8 +2,9 @@
 
 use super::gradient::Field;
 use super::jump::undirected;
-use super::walk::{Drawing, Label, Traced};
-use super::{Options, Segment};
+use super::options::{Options, Segment};
+use super::traced::Traced;
+use super::walk::{Drawing, Label};
 
 /// Share of a segment near each end that is not asked, and the most pixels this may be.
 const END_SHARE: f64 = 0.1;

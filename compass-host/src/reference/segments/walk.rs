@@ -1,10 +1,10 @@
 //! Drawing: walks along edges and grows straight segments while walking.
 
-use super::Options;
 use super::gradient::{Axis, Field, Pixel};
 use super::jump;
-use super::line::{Fit, Line, mean_square};
-use std::ops::Range;
+use super::line::{Fit, mean_square};
+use super::options::Options;
+use super::traced::{End, Traced, step};
 
 /// What became of a pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,55 +21,6 @@ pub(super) enum Label {
     Outlier,
     /// In a gap that a segment bridges.
     Junction,
-}
-
-/// The end of a segment that a walk extends.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum End {
-    /// The first pixel.
-    Tail,
-    /// The last pixel.
-    Head,
-}
-
-/// A segment while and after it is drawn.
-#[derive(Debug, Clone)]
-pub(super) struct Traced {
-    pub(super) fit: Fit,
-    pub(super) line: Line,
-    /// Outermost pixels of the tail and the head.
-    pub(super) ends: [Pixel; 2],
-    /// The pixels just inside them: one step at each end can be undone.
-    inner: [Pixel; 2],
-    /// An end that needs a new inlier before it may be extended again.
-    extended: [bool; 2],
-    tail_grew: bool,
-    /// Its pixels in the drawing's list.
-    pub(super) pixels: Range<usize>,
-}
-
-impl Traced {
-    /// The line is only as good as the sums allow: a degenerate update keeps the last one.
-    fn refit(&mut self) {
-        self.line = self.fit.line(self.ends[0], self.ends[1]).unwrap_or(self.line);
-    }
-
-    fn grow(&mut self, pixel: Pixel, end: End) {
-        let e = end as usize;
-        self.fit.add(pixel);
-        (self.inner[e], self.ends[e]) = (self.ends[e], pixel);
-        self.tail_grew |= end == End::Tail;
-        self.refit();
-    }
-
-    fn undo(&mut self, end: End) -> Pixel {
-        let e = end as usize;
-        let undone = self.ends[e];
-        self.fit.remove(undone);
-        self.ends[e] = self.inner[e];
-        self.refit();
-        undone
-    }
 }
 
 /// A walk still to be done.
@@ -331,31 +282,4 @@ impl<'a> Drawing<'a> {
         }
         true
     }
-}
-
-/// The next pixel along an edge; `None` at the image border.
-///
-/// An edge met sideways is entered diagonally: this is how a walk turns where the axis changes.
-pub(super) fn step(field: &Field, at: Pixel, previous: Pixel, axis: Axis) -> Option<Pixel> {
-    let arrived_along = at[axis.main()] != previous[axis.main()];
-    let (m, c) = if arrived_along { (axis.main(), axis.cross()) } else { (axis.cross(), axis.main()) };
-    let mut next = at;
-    next[m] += (at[m] - previous[m]).signum();
-    let size = field.size();
-    if !(0..size[m]).contains(&next[m]) || at[c] < 1 || at[c] > size[c] - 2 {
-        return None;
-    }
-    let side = |offset: i32| {
-        let mut pixel = next;
-        pixel[c] += offset;
-        (field.magnitude(pixel), pixel)
-    };
-    let (below, straight, above) = (side(-1), side(0), side(1));
-    Some(match arrived_along {
-        true if below.0 > straight.0.max(above.0) => below.1,
-        true if above.0 > straight.0.max(below.0) => above.1,
-        true => straight.1,
-        false if below.0 > above.0 => below.1,
-        false => above.1,
-    })
 }

@@ -1,0 +1,197 @@
+//! The options that every command with camera frames shares.
+
+use super::plan::{finite, pair};
+use super::up::{MountOption, UpFromOption};
+use anyhow::{Result, bail};
+use compass_core::base::ladder::HEIGHTS_M;
+use compass_core::vision::camera::{Bearing, Rig};
+use compass_host::calibration::Calibration;
+use compass_host::dataset::imu::{Gravity, Readings};
+use compass_host::eyes::{Eyes, EyesError};
+use compass_host::frame::Frame;
+use compass_host::up::{UpFrom, UpSources};
+use std::path::PathBuf;
+
+/// A calibration and the frames of one or two cameras.
+#[derive(Debug, Clone, clap::Args)]
+pub(super) struct CameraArgs {
+    /// Camera calibration: a Kalibr camera-imu chain .yaml
+    #[arg(long, value_name = "FILE")]
+    calib: Option<PathBuf>,
+    /// Frame of cam0
+    #[arg(long, value_name = "IMAGE")]
+    cam0: Option<PathBuf>,
+    /// Frame of cam1
+    #[arg(long, value_name = "IMAGE")]
+    cam1: Option<PathBuf>,
+    #[command(flatten)]
+    up: UpArg,
+    #[command(flatten)]
+    imu: ImuArgs,
+    /// Height of cam0 above the floor in metres [default: estimated]
+    #[arg(long, value_name = "M", value_parser = height, allow_hyphen_values = true)]
+    camera_height: Option<f32>,
+}
+
+/// The up vector, if it is given.
+#[derive(Debug, Clone, clap::Args)]
+pub(super) struct UpArg {
+    /// Up vector in the axes of cam0 (x right, y down, z forward) [default: from vertical lines]
+    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
+    up: Option<[f64; 3]>,
+    /// Which side of cam0's image is up, within 45 degrees, where it is not told by --up; a wrong one gives a mirrored
+    /// answer
+    #[arg(long, value_enum, default_value_t = MountOption::Auto)]
+    mount: MountOption,
+}
+
+impl UpArg {
+    /// The up vector in cam0: that given, or that of the frames whose segments were just detected.
+    pub(super) fn resolve(&self, eyes: &mut Eyes, frames: [Option<&Frame>; 2]) -> Result<Bearing, EyesError> {
+        self.with(UpFrom::Image, None).resolve(eyes, frames)
+    }
+
+    /// The up vector as it is given, or from the image or what else there is.
+    fn with(&self, from: UpFrom, imu: Option<Gravity>) -> Up {
+        let given = self.up.map(|[x, y, z]| Bearing::new(x as f32, y as f32, z as f32));
+        Up { given, sources: UpSources { from, mount: self.mount.into(), imu } }
+    }
+}
+
+/// An accelerometer beside the cameras.
+#[derive(Debug, Clone, clap::Args)]
+struct ImuArgs {
+    /// Readings of the calibration's IMU (imu0/data.csv: time in ns, rates, accelerations), whose mean tells up: at rest
+    /// or nearly
+    #[arg(long, value_name = "FILE", conflicts_with = "up")]
+    imu: Option<PathBuf>,
+    /// Take the readings from second T0 to T1 of their own clock [default: all]
+    #[arg(long, value_name = "T0,T1", value_parser = pair, requires = "imu")]
+    imu_seconds: Option<[f64; 2]>,
+    /// What tells up; both: the image, near where the IMU says [default: both with --imu, else image]
+    #[arg(long, value_enum, conflicts_with = "up")]
+    up_from: Option<UpFromOption>,
+}
+
+impl ImuArgs {
+    fn source(&self) -> Result<UpFrom> {
+        match (self.up_from.map(UpFrom::from), &self.imu) {
+            (None, None) => Ok(UpFrom::Image),
+            (None, Some(_)) => Ok(UpFrom::Both),
+            (Some(UpFrom::Imu | UpFrom::Both), None) => {
+                bail!("--up-from takes the IMU: name its file with --imu")
+            }
+            (Some(from), _) => Ok(from),
+        }
+    }
+
+    /// Gravity in the axes of cam0.
+    fn load(&self, calibration: &Calibration) -> Result<Option<Gravity>> {
+        let Some(path) = &self.imu else { return Ok(None) };
+        let gravity = Readings::read(path)?.gravity(self.imu_seconds)?;
+        let Some(gravity) = gravity.in_cam0(calibration) else {
+            bail!("{}: cam0.T_cam_imu: missing, and --imu needs it", calibration.path.display());
+        };
+        Ok(Some(gravity))
+    }
+}
+
+/// How up is told.
+pub(super) struct Up {
+    given: Option<Bearing>,
+    /// What tells it where it is not given.
+    pub(super) sources: UpSources,
+}
+
+impl Up {
+    pub(super) const fn is_given(&self) -> bool {
+        self.given.is_some()
+    }
+
+    /// Roughly up in cam0, as far as that is told without looking.
+    pub(super) fn hint(&self) -> Option<Bearing> {
+        self.given.or_else(|| self.sources.hint())
+    }
+
+    /// The up vector in cam0: that given, that of the IMU, or that of the frames whose segments were just detected.
+    pub(super) fn resolve(&self, eyes: &mut Eyes, frames: [Option<&Frame>; 2]) -> Result<Bearing, EyesError> {
+        self.given.map_or_else(|| Ok(self.sources.resolve(eyes, frames)?.0), Ok)
+    }
+}
+
+/// What the options name.
+pub(super) struct Taken {
+    pub(super) calibration: Calibration,
+    pub(super) frames: [Option<Frame>; 2],
+    pub(super) up: Up,
+    /// Height of cam0 above the floor in metres, where it is known.
+    pub(super) height_m: Option<f32>,
+    /// The files of the frames, for messages.
+    pub(super) name: String,
+}
+
+impl Taken {
+    /// The rig for frames as they are.
+    pub(super) fn rig(&self) -> Result<Rig> {
+        let sizes = self.frames.each_ref().map(|frame| frame.as_ref().map(|f| (f.width(), f.height())));
+        Ok(self.calibration.rig(sizes)?)
+    }
+}
+
+/// Frames, and the eyes for them.
+pub(super) struct Cameras {
+    pub(super) frames: [Option<Frame>; 2],
+    pub(super) eyes: Eyes,
+    pub(super) up: Up,
+    /// Height of cam0 above the floor in metres, where it is known.
+    pub(super) height_m: Option<f32>,
+    /// The files of the frames, for messages.
+    pub(super) name: String,
+}
+
+impl CameraArgs {
+    /// Whether any of its files is named.
+    pub(super) fn is_given(&self) -> bool {
+        [&self.calib, &self.cam0, &self.cam1].iter().any(|path| path.is_some())
+    }
+
+    /// Reads the calibration and the frames.
+    pub(super) fn read(&self) -> Result<Taken> {
+        let paths = [&self.cam0, &self.cam1];
+        if paths.iter().all(|path| path.is_none()) {
+            bail!("no frame: name one with --cam0 IMAGE, --cam1 IMAGE or both");
+        }
+        let Some(calib) = &self.calib else { bail!("no calibration: name one with --calib FILE") };
+        let calibration = Calibration::load(calib)?;
+        let [cam0, cam1] = paths.map(|path| path.as_ref().map(|path| Frame::read(path)).transpose());
+        let files: Vec<_> = paths.into_iter().flatten().map(|path| path.display().to_string()).collect();
+        let up = self.up.with(self.imu.source()?, self.imu.load(&calibration)?);
+        let (height_m, name) = (self.camera_height, files.join(", "));
+        Ok(Taken { calibration, frames: [cam0?, cam1?], up, height_m, name })
+    }
+
+    /// Reads the calibration and the frames, and makes eyes for them.
+    pub(super) fn load(&self) -> Result<Cameras> {
+        let taken = self.read()?;
+        let eyes = Eyes::new(taken.rig()?);
+        let Taken { frames, up, height_m, name, .. } = taken;
+        Ok(Cameras { frames, eyes, up, height_m, name })
+    }
+}
+
+/// A height of the camera within what can be told apart.
+pub(super) fn height(text: &str) -> Result<f32, String> {
+    let [least, most] = HEIGHTS_M;
+    let metres = finite(text)? as f32;
+    let good = (least..=most).contains(&metres);
+    if good { Ok(metres) } else { Err(format!("expected {least} to {most} metres")) }
+}
+
+/// Three finite numbers that are not all zero, `X,Y,Z`.
+pub(super) fn vector(text: &str) -> Result<[f64; 3], String> {
+    let parts: Vec<_> = text.split(',').map(|part| finite(part.trim())).collect();
+    match parts[..] {
+        [Ok(x), Ok(y), Ok(z)] if x.hypot(y).hypot(z) > 1e-6 => Ok([x, y, z]),
+        _ => Err(format!("'{text}' is not a vector X,Y,Z")),
+    }
+}

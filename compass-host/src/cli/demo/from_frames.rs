@@ -1,0 +1,143 @@
+//! The second half of the demo: from two rendered frames to a pose.
+
+use crate::cli::debug::Found;
+use crate::cli::localize::pose_of;
+use crate::cli::pictures;
+use crate::cli::pose::Pose;
+use crate::cli::progress::Bars;
+use anyhow::{Context as _, Result};
+use compass_core::pose::locate::HeightPrior;
+use compass_core::vision::boundary::RangeLikelihoods;
+use compass_host::calibration::{Calibration, NOMINAL_YAML};
+use compass_host::dataset::tum;
+use compass_host::eyes::{Eyes, Mount};
+use compass_host::frame::Frame;
+use compass_host::locator::Locator;
+use compass_host::output::{Decimal, create_dir, write_file, write_png};
+use compass_host::plan_import::PlanRaster;
+use compass_host::plan_import::structure::{DEFAULT_THICKNESS_M, keep_structure};
+use compass_host::report::{Picture, Section, Table};
+use compass_host::sample::FRAME_POSE;
+use compass_host::simulate::{Scene, SceneOptions, render};
+use compass_host::site::{BuildOptions, PackedPlan};
+use compass_host::site_file::{SiteFile, floor_bytes_with_progress};
+use compass_host::visual_descriptor::VisualDescriptor;
+use std::path::Path;
+use std::time::Instant;
+
+/// Size of the frames, and height of the camera above the floor in metres.
+const SIZE: (u32, u32) = (736, 720);
+const HEIGHT_M: f64 = 1.6;
+/// The rig looks up a little and hangs upside down, askew.
+const PITCH_ROLL_DEG: [f64; 2] = [4.0, 187.0];
+
+/// What the frames gave.
+pub(super) struct Seen {
+    pub(super) poses: Vec<Pose<'static>>,
+    pub(super) probability: f64,
+    pub(super) camera_height_m: f64,
+    pub(super) milliseconds: f64,
+}
+
+/// Renders two frames, writes them, their calibration and a site file into `dir`, finds their pose and draws how.
+pub(super) fn run(dir: &Path, raster: &PlanRaster, plan: &PackedPlan) -> Result<Seen> {
+    create_dir(dir)?;
+    let path = dir.join("sample.site");
+    let structure = PackedPlan::new(&keep_structure(raster, DEFAULT_THICKNESS_M)?)?;
+    let site =
+        floor_bytes_with_progress("sample", raster, plan, Some(&structure), &BuildOptions::default(), &Bars)?;
+    write_file(&path, &site)?;
+    let file = SiteFile::read(&path)?;
+    let floors = file.floors();
+    let mut locator = Locator::new(&floors)?;
+    let ([x, y], heading) = FRAME_POSE;
+    let pose = tum::Pose::looking(0, [x, y, HEIGHT_M], heading, PITCH_ROLL_DEG[0], PITCH_ROLL_DEG[1]);
+    let rig = Calibration::nominal().rig([Some(SIZE); 2])?;
+    write_file(&dir.join("calibration.yaml"), NOMINAL_YAML.as_bytes())?;
+    let images = render(&Scene::new(&SceneOptions::default(), raster), &rig, &pose);
+    for (camera, image) in images.iter().enumerate() {
+        let image = image.as_ref().context("the rig has two cameras")?;
+        write_png(&dir.join(format!("cam{camera}.png")), image)?;
+    }
+    let frames = images.map(|image| image.and_then(Frame::from_rgb));
+    let frames = frames.each_ref().map(Option::as_ref);
+    let mut eyes = Eyes::new(rig);
+    let started = Instant::now();
+    eyes.detect(frames)?;
+    let up = eyes.vertical(frames, Mount::Inverted)?.up;
+    let seen = eyes.windows(frames, &up)?;
+    let (sighting, level, windows) = (seen.sighting, seen.level, seen.windows.to_vec());
+    let survey = eyes.survey(frames, &up)?;
+    let fix = locator.locate(&survey, HeightPrior::default(), &sighting);
+    let milliseconds = started.elapsed().as_secs_f64() * 1e3;
+    let height_m = fix.height_m();
+    let mut ranges = Box::new(RangeLikelihoods::EMPTY);
+    survey.ranges(fix.ceiling, &mut ranges);
+    let surroundings = VisualDescriptor::new(&ranges, &sighting, Some(height_m));
+    let truth = plan.scan([x, y], heading)?;
+    let (plan, surroundings) = (Some(&truth), Some(&surroundings));
+    Found { frames, eyes: &eyes, level, windows: &windows, sighting: &sighting, surroundings, plan }
+        .draw(dir)?;
+    let poses: Vec<_> = fix.answer.modes().iter().map(|mode| pose_of(mode, None)).collect();
+    pictures::site_map(&dir.join("map.png"), raster, &floors[0].map, None, FRAME_POSE, &poses)?;
+    let probability = f64::from(fix.probability());
+    Ok(Seen { poses, probability, camera_height_m: f64::from(height_m), milliseconds })
+}
+
+impl Seen {
+    /// What is printed of it.
+    pub(super) fn summary(&self) -> String {
+        let ([x, y], heading) = FRAME_POSE;
+        let truth = format!("frames  x {x:.3} m  y {y:.3} m  heading {heading:.1} degrees\n");
+        let Some(best) = self.poses.first() else { return truth + "found   nothing\n" };
+        let (metres, degrees) = best.error([x, y], heading);
+        format!(
+            "{truth}found   x {:.3} m  y {:.3} m  heading {:.1} degrees  (probability {:.2})\n\
+             off by {metres:.2} m and {degrees:.1} degrees, {:.0} ms from frames to pose\n",
+            best.x.0, best.y.0, best.heading_deg.0, self.probability, self.milliseconds
+        )
+    }
+
+    /// What the report says of it.
+    pub(super) fn section(&self) -> Section {
+        let ([x, y], heading) = FRAME_POSE;
+        let picture = |file: &str, caption: &str| Picture { file: file.into(), caption: caption.into() };
+        let rows = self.poses.iter().enumerate().map(|(rank, pose)| {
+            let (metres, degrees) = pose.error([x, y], heading);
+            let Decimal(score) = pose.score;
+            vec![
+                (rank + 1).to_string(),
+                format!("{:.2}, {:.2}", pose.x.0, pose.y.0),
+                format!("{:.1}", pose.heading_deg.0),
+                format!("{score:.0}"),
+                format!("{metres:.2}"),
+                format!("{degrees:.1}"),
+            ]
+        });
+        let head = ["rank", "x, y (m)", "heading (deg)", "score (nats)", "off (m)", "off (deg)"];
+        Section {
+            title: "Where am I? From two frames".into(),
+            text: vec![format!(
+                "Two fisheye frames were rendered at x {x:.2} m, y {y:.2} m, heading {heading:.1} degrees, and nothing \
+                 but the plan, the lenses and that the rig hangs upside down was told. The likeliest pose is within 1 m \
+                 with a probability of {:.2}; the camera was found to be {:.2} m above the floor (truth: {HEIGHT_M} m).",
+                self.probability, self.camera_height_m
+            )],
+            tables: vec![Table {
+                caption: "Answers".into(),
+                head: head.map(String::from).into(),
+                rows: rows.collect(),
+            }],
+            pictures: vec![
+                picture("seen/map.png", "Truth and answers"),
+                picture("seen/cam0.png", "The frame of cam0, as the sensor has it"),
+                picture("seen/cam1.png", "The frame of cam1"),
+                picture(
+                    "seen/panorama.png",
+                    "All around, levelled: floor and ceiling as found, windows, and what the plan says",
+                ),
+                picture("seen/descriptor.png", "The descriptor as seen, and the plan's at the true pose"),
+            ],
+        }
+    }
+}

@@ -1,0 +1,223 @@
+//! `compass evaluate`: a recording frame by frame and as a sequence, against the truth.
+
+use super::Outcome;
+use super::cameras::height;
+use super::progress::Bars;
+use super::up::MountOption;
+use crate::cli::json::JsonOption;
+use anyhow::{Context as _, Result, bail};
+use compass_host::calibration::Calibration;
+use compass_host::dataset::recording::{Recording, Shot, Source, Topics};
+use compass_host::dataset::trajectory::Trajectory;
+use compass_host::dataset::tum::{self, Pose};
+use compass_host::evaluate::judged::{JudgedFrame, ROWS, count_up_sources, mean_milliseconds};
+use compass_host::evaluate::report::{self, ReportData};
+use compass_host::evaluate::sequence::Followed;
+use compass_host::evaluate::{
+    Fingerprint, FrameErrors, Job, Journal, Judge, Misses, Record, Row, largest_errors, localize, sequence,
+};
+use compass_host::locator::Locator;
+use compass_host::output::{Decimal, create_dir, write_file};
+use compass_host::site_file::{SiteFile, SiteFloor};
+use compass_host::wall_check::WallSummary;
+use std::collections::HashMap;
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+
+mod output;
+
+use output::{Frame, Output};
+
+#[derive(Debug, clap::Args)]
+pub(super) struct Evaluate {
+    /// The site file
+    #[arg(long, value_name = "FILE")]
+    map: PathBuf,
+    /// Camera calibration: a Kalibr camera-imu chain .yaml
+    #[arg(long, value_name = "FILE")]
+    calib: PathBuf,
+    /// The recording: cam0/data.csv lists the frames in cam0/data, likewise cam1, imu0/data.csv has accelerations; or a
+    /// ROS 2 bag
+    #[arg(long, value_name = "DIR")]
+    dataset: PathBuf,
+    /// Topics of the bag; what is left off or empty is not used [default: as the calibration names them, else the only
+    /// ones, in the order of their names]
+    #[arg(long, value_name = "CAM0,CAM1[,IMU]")]
+    topics: Option<Topics>,
+    /// True poses of cam0 in the map: timestamp tx ty tz qx qy qz qw
+    #[arg(long, value_name = "TUM")]
+    groundtruth: PathBuf,
+    /// Where to write report.html, single.tum and track.tum; a run that was interrupted continues there
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Floor of the site that the truth lies on [default: the only one]
+    #[arg(long, value_name = "NAME")]
+    floor: Option<String>,
+    /// Poses of cam0 in any frame whose z points up, for the track: motion between frames is taken from them
+    #[arg(long, value_name = "TUM")]
+    odometry: Option<PathBuf>,
+    /// Take only every N-th frame
+    #[arg(long, value_name = "N", default_value = "1")]
+    every: NonZeroUsize,
+    /// Frames at a time [default: one per core]
+    #[arg(long, value_name = "N")]
+    jobs: Option<NonZeroUsize>,
+    /// Which side of cam0's image is up, within 45 degrees, where the accelerometer does not tell
+    #[arg(long, value_enum, default_value_t = MountOption::Auto)]
+    mount: MountOption,
+    /// Height of cam0 above the floor in metres [default: estimated]
+    #[arg(long, value_name = "M", value_parser = height, allow_hyphen_values = true)]
+    camera_height: Option<f32>,
+    #[command(flatten)]
+    json: JsonOption,
+}
+
+impl Evaluate {
+    pub(super) fn run(&self) -> Result<Outcome> {
+        // Everything is read before anything is written.
+        let file = SiteFile::read(&self.map)?;
+        let floors = file.floors();
+        let mut locator = Locator::new(&floors).with_context(|| self.map.display().to_string())?;
+        let floor = self.true_floor(&floors)?;
+        let calibration = Calibration::load(&self.calib)?;
+        let mut recording =
+            Recording::read_with_progress(&self.dataset, self.topics.as_ref(), &calibration, &Bars)?;
+        recording.shots = recording.shots.into_iter().step_by(self.every.get()).collect();
+        let shots = &recording.shots;
+        let truth = Trajectory::read(&self.groundtruth)?;
+        if shots.iter().all(|shot| truth.at(shot.timestamp_ns).is_none()) {
+            let (truth, frames) = (self.groundtruth.display(), self.dataset.display());
+            bail!("{truth}: no pose at the time of any frame of {frames}; are they of one recording?");
+        }
+        let odometry = self.odometry.as_deref().map(Trajectory::read).transpose()?;
+        let evidence = self.out.join("evidence");
+        let job = Job {
+            floors: &floors,
+            calibration: &calibration,
+            mount: self.mount.into(),
+            imu: recording.imu.as_ref(),
+            height_m: self.camera_height,
+            truth: &truth,
+            floor,
+            evidence: &evidence,
+        };
+        let fingerprints = self.fingerprints(&file, &job, shots)?;
+        create_dir(&evidence)?;
+        let is_whole =
+            |record: &Record| record.problem.is_some() || job.evidence_file(record.timestamp_ns).is_file();
+        let journal = Journal::open(&self.out.join("frames.jsonl"), fingerprints, is_whole)?;
+        let resumed = journal.len();
+        let jobs =
+            self.jobs.or_else(|| std::thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
+        let records = localize(&job, shots, &journal, jobs, &Bars)?;
+        let followed = sequence::follow(&job, &records, &mut locator, odometry.as_ref(), &Bars)?;
+        let judge = Judge { layers: locator.layers(), floor };
+        let frames: Vec<_> = records
+            .iter()
+            .zip(&followed.estimates)
+            .map(|(record, estimate)| JudgedFrame::new(record, estimate.as_ref(), &judge, &truth))
+            .collect();
+        self.write(&job, &recording, &frames, resumed, &followed)?;
+        Ok(Outcome::Done)
+    }
+
+    /// The number of the floor that the truth lies on.
+    fn true_floor(&self, floors: &[SiteFloor<'_>]) -> Result<usize> {
+        let map = self.map.display();
+        let names: Vec<&str> = floors.iter().filter_map(SiteFloor::name).collect();
+        match &self.floor {
+            Some(wanted) => names
+                .iter()
+                .position(|name| name == wanted)
+                .with_context(|| format!("{map}: has no floor '{wanted}'; there are: {}", names.join(", "))),
+            None if floors.len() == 1 => Ok(0),
+            None => bail!(
+                "{map}: has {} floors; tell with --floor which one the truth lies on: {}",
+                floors.len(),
+                names.join(", ")
+            ),
+        }
+    }
+
+    /// What the results of each frame depend on.
+    fn fingerprints(&self, file: &SiteFile, job: &Job<'_>, shots: &[Shot]) -> Result<HashMap<u64, String>> {
+        let read =
+            |path: &Path| std::fs::read(path).with_context(|| format!("{}: cannot be read", path.display()));
+        let options = format!("{:?} {:?} {:?}", self.mount, self.camera_height, self.floor);
+        let common = Fingerprint::new()
+            .of(file.as_bytes())
+            .of(&read(&self.calib)?)
+            .of(&read(&self.groundtruth)?)
+            .of(options.as_bytes());
+        let print = |shot: &Shot| {
+            let images = shot.images.each_ref().map(|image| image.as_ref().map(Source::identity));
+            let gravity = job.gravity(shot.timestamp_ns);
+            (shot.timestamp_ns, common.of(format!("{images:?} {gravity:?}").as_bytes()).text())
+        };
+        Ok(shots.iter().map(print).collect())
+    }
+
+    /// Writes trajectories, report and result.
+    fn write(
+        &self,
+        job: &Job<'_>,
+        recording: &Recording,
+        frames: &[JudgedFrame<'_>],
+        resumed: usize,
+        followed: &Followed,
+    ) -> Result<()> {
+        let single = frames
+            .iter()
+            .filter_map(|frame| Some(sequence::pose(frame.record, frame.record.single.first()?)));
+        write_trajectory(&self.out.join("single.tum"), single)?;
+        let track = frames
+            .iter()
+            .filter(|frame| frame.record.problem.is_none())
+            .filter_map(|frame| Some(sequence::pose(frame.record, &frame.track?)));
+        write_trajectory(&self.out.join("track.tum"), track)?;
+        let scored: Vec<_> = frames.iter().filter(|frame| frame.truth.is_some()).collect();
+        let misses = |row: usize| -> Vec<Misses> { scored.iter().map(|frame| frame.misses[row]).collect() };
+        let rows: Vec<Row> = ROWS.iter().enumerate().map(|(n, name)| Row::of(name, &misses(n))).collect();
+        let sure =
+            scored.iter().filter(|frame| frame.estimate.is_some_and(|e| e.probability >= sequence::SURE));
+        let sure = Row::of("track, sure", &sure.map(|frame| frame.misses[1]).collect::<Vec<_>>());
+        let milliseconds = mean_milliseconds(frames, followed.milliseconds);
+        let walls = &followed.walls;
+        walls.write(&self.out.join("walls.csv"))?;
+        let path = self.out.join("report.html");
+        let shown_floor = job.floors.get(job.floor).context("no such floor")?;
+        let plan = shown_floor.floor.and_then(|floor| floor.plan(0)).context("the floor has no plan")?;
+        let shown: Vec<FrameErrors> = frames.iter().map(JudgedFrame::errors).collect();
+        let right: Vec<_> =
+            frames.iter().map(|frame| frame.truth.map(|_| frame.misses[0].is_right())).collect();
+        let data = ReportData {
+            title: "COMPASS on a recording",
+            plan,
+            rows: &rows,
+            frames: &shown,
+            right: &right,
+            milliseconds: &milliseconds,
+            walls,
+            largest_errors: &largest_errors::draw(&self.out, &shown, &recording.shots)?,
+        };
+        report::write(&self.out, &data)?;
+        let output = Output {
+            frames: frames.len(),
+            resumed,
+            scored: scored.len(),
+            unseen: frames.iter().filter(|frame| frame.record.problem.is_some()).count(),
+            topics: recording.topics.as_ref().map(Topics::to_string),
+            up_from: count_up_sources(frames),
+            rows: rows.into_iter().chain([sure]).collect(),
+            milliseconds: milliseconds.iter().map(|(stage, ms)| (stage.clone(), Decimal(*ms))).collect(),
+            walls: WallSummary::of(walls),
+            report: path,
+            results: frames.iter().map(|frame| Frame::of(frame, job.floors)).collect(),
+        };
+        self.json.emit(&output, &output.summary())
+    }
+}
+
+fn write_trajectory(path: &Path, poses: impl Iterator<Item = Pose>) -> Result<()> {
+    Ok(write_file(path, tum::text(&poses.collect::<Vec<_>>()).as_bytes())?)
+}

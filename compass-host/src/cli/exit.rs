@@ -1,0 +1,99 @@
+//! What a command came to, as the exit status of the process.
+
+use compass_host::eyes::EyesError;
+use std::process::ExitCode;
+
+/// What the work came to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Outcome {
+    /// Done.
+    Done,
+    /// Done, and the answer is "no".
+    No,
+}
+
+/// The exit status of the process.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Status {
+    /// The work was done.
+    Done = 0,
+    /// The work was done and its answer is "no".
+    No = 1,
+    /// Bad input or usage; clap exits with the same for bad usage.
+    BadInput = 2,
+}
+
+impl From<Outcome> for Status {
+    fn from(outcome: Outcome) -> Self {
+        match outcome {
+            Outcome::Done => Self::Done,
+            Outcome::No => Self::No,
+        }
+    }
+}
+
+impl From<&EyesError> for Status {
+    fn from(error: &EyesError) -> Self {
+        match error {
+            EyesError::Disagreement(_) => Self::No,
+            _ => Self::BadInput,
+        }
+    }
+}
+
+impl From<&anyhow::Error> for Status {
+    fn from(error: &anyhow::Error) -> Self {
+        error.downcast_ref::<EyesError>().map_or(Self::BadInput, Self::from)
+    }
+}
+
+/// Reports an error on standard error, and gives the exit status.
+pub(super) fn code(result: anyhow::Result<Outcome>) -> ExitCode {
+    let status = result.map_or_else(
+        |error| {
+            eprintln!("compass: {}", one_line(&error));
+            Status::from(&error)
+        },
+        Status::from,
+    );
+    ExitCode::from(status as u8)
+}
+
+/// The chain of causes in one line; a cause that the message before it already ends with is not repeated.
+fn one_line(error: &anyhow::Error) -> String {
+    let mut text = String::new();
+    for cause in error.chain() {
+        let cause = cause.to_string();
+        if text.is_empty() {
+            text = cause;
+        } else if !text.ends_with(&cause) {
+            text = format!("{text}: {cause}");
+        }
+    }
+    text.replace('\n', " ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use anyhow::Context as _;
+
+    #[test]
+    fn every_result_has_its_status() {
+        let of = |error: EyesError| Status::from(&anyhow::Error::from(error).context("cam0.png"));
+        assert_eq!(Status::from(Outcome::Done) as u8, 0);
+        assert_eq!(Status::from(Outcome::No) as u8, 1);
+        assert_eq!(of(EyesError::Disagreement(12.0)) as u8, 1);
+        assert_eq!(of(EyesError::NoVertical) as u8, 2);
+        assert_eq!(Status::from(&anyhow::anyhow!("no such file")) as u8, 2);
+    }
+
+    #[test]
+    fn causes_are_not_repeated() {
+        let error: anyhow::Result<()> = Err(EyesError::NoSky).context("a.png");
+        let text = one_line(&error.context("localize").unwrap_err());
+        assert!(text.starts_with("localize: a.png: cannot tell up from down"), "{text}");
+        let repeated = anyhow::anyhow!("gone").context("a.png: cannot be read: gone");
+        assert_eq!(one_line(&repeated), "a.png: cannot be read: gone");
+    }
+}

@@ -1,0 +1,185 @@
+//! The pose of camera frames.
+
+use crate::cli::Outcome;
+use crate::cli::cameras::{CameraArgs, Cameras};
+use crate::cli::json::JsonOption;
+use crate::cli::pose::{Pose, milliseconds};
+use anyhow::{Context as _, Result};
+use compass_core::base::ladder::height_rungs;
+use compass_core::pose::locate::HeightPrior;
+use compass_core::pose::{FloorLayer, ScoredPose};
+use compass_host::clock::Clock;
+use compass_host::locator::Locator;
+use compass_host::output::Decimal;
+use compass_host::site_file::{SiteFile, SiteFloor};
+use compass_host::wall_check::{WallSummary, Walls};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::Path;
+
+/// Layers of a floor as they are reported.
+const LAYERS: [&str; 2] = ["plan", "structure"];
+
+#[derive(Debug, Serialize)]
+struct Output<'a> {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    floor: Option<&'a str>,
+    x: Decimal,
+    y: Decimal,
+    heading_deg: Decimal,
+    up_in_cam0: [Decimal; 3],
+    camera_height_m: Decimal,
+    /// Which layer of the floor explains best what is seen: the plan as drawn, or its structure alone.
+    layer: &'static str,
+    /// Log-likelihood ratio against knowing nothing, nats.
+    score: Decimal,
+    margin: Decimal,
+    /// That the pose is within 1 m of the true one.
+    probability: Decimal,
+    candidates: Vec<Pose<'a>>,
+    /// Which walls of the plan as drawn stand, by this pair of frames.
+    walls: WallSummary,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    position_error_m: Option<Decimal>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    heading_error_deg: Option<Decimal>,
+    milliseconds: BTreeMap<&'static str, Decimal>,
+}
+
+/// An answer that is no answer.
+#[derive(Debug, Serialize)]
+struct Unsure<'a> {
+    probability: Decimal,
+    candidates: Vec<Pose<'a>>,
+}
+
+/// Sees, searches and reports.
+pub(super) fn run(
+    map: &Path,
+    cameras: &CameraArgs,
+    truth: Option<([f64; 2], f64)>,
+    least_probability: f64,
+    json: &JsonOption,
+) -> Result<Outcome> {
+    let mut clock = Clock::start();
+    let file = SiteFile::read(map)?;
+    let floors = file.floors();
+    let mut locator = Locator::new(&floors).with_context(|| map.display().to_string())?;
+    clock.stage("read_map");
+    let Cameras { frames, mut eyes, up, height_m, name } = cameras.load()?;
+    let frames = frames.each_ref().map(Option::as_ref);
+    clock.stage("read_frames");
+    eyes.detect(frames)?;
+    clock.stage("segments");
+    let up = up.resolve(&mut eyes, frames).with_context(|| name.clone())?;
+    clock.stage("up");
+    let seen = eyes.windows(frames, &up).with_context(|| name.clone())?;
+    let (sighting, up) = (seen.sighting, seen.level.up());
+    clock.stage("windows");
+    let survey = eyes.survey(frames, &up).with_context(|| name.clone())?;
+    clock.stage("ranges");
+    let room = HeightPrior { height: height_m.map(height_rungs), ceiling: None };
+    let fix = locator.locate(&survey, room, &sighting);
+    clock.stage("locate");
+    let poses: Vec<_> = fix.answer.modes().iter().map(|m| pose(m, locator.layers(), &floors)).collect();
+    let probability = f64::from(fix.probability());
+    let (Some(best), Some(mode)) = (poses.first().copied(), fix.answer.best()) else {
+        json.emit(&Unsure { probability: Decimal(0.0), candidates: poses }, "no pose found\n")?;
+        return Ok(Outcome::No);
+    };
+    if probability < least_probability {
+        let summary = format!(
+            "I don't know: the likeliest of {} poses is right with a probability of {probability:.2}\n",
+            poses.len()
+        );
+        json.emit(&Unsure { probability: Decimal(probability), candidates: poses }, &summary)?;
+        return Ok(Outcome::No);
+    }
+    let errors = truth.map(|(at, heading)| best.error(at, heading));
+    locator.weigh(&survey, [fix.height, fix.ceiling], &sighting);
+    let walls = walls(mode, &locator, &floors);
+    let layer = locator.layers().get(usize::from(mode.layer)).map_or(0, |layer| usize::from(layer.number));
+    let output = Output {
+        floor: best.floor,
+        x: best.x,
+        y: best.y,
+        heading_deg: best.heading_deg,
+        up_in_cam0: [up.x, up.y, up.z].map(|v| Decimal(f64::from(v))),
+        camera_height_m: Decimal(f64::from(height_m.unwrap_or_else(|| fix.height_m()))),
+        layer: LAYERS[layer.min(1)],
+        score: best.score,
+        margin: Decimal(fix.answer.margin().to_num()),
+        probability: Decimal(probability),
+        candidates: poses,
+        walls: WallSummary::of(&walls),
+        position_error_m: errors.map(|(metres, _)| Decimal(metres)),
+        heading_error_deg: errors.map(|(_, degrees)| Decimal(degrees)),
+        milliseconds: milliseconds(&clock),
+    };
+    json.emit(&output, &summary(&output))?;
+    Ok(Outcome::Done)
+}
+
+/// The walls of the plan as drawn, by the evidence that the locator holds.
+fn walls(mode: &ScoredPose, locator: &Locator<'_>, floors: &[SiteFloor<'_>]) -> Walls {
+    let mut walls = Walls::default();
+    if let Some(plan) = site_floor(mode, locator.layers(), floors).and_then(|floor| floor.floor?.plan(0)) {
+        walls.add(&plan, mode, locator.table());
+    }
+    walls
+}
+
+fn pose<'a>(mode: &ScoredPose, layers: &[FloorLayer<'_>], floors: &[SiteFloor<'a>]) -> Pose<'a> {
+    let name = site_floor(mode, layers, floors).and_then(SiteFloor::name);
+    pose_of(mode, name.filter(|_| floors.len() > 1))
+}
+
+/// The floor that a mode is on.
+fn site_floor<'s, 'a>(
+    mode: &ScoredPose,
+    layers: &[FloorLayer<'_>],
+    floors: &'s [SiteFloor<'a>],
+) -> Option<&'s SiteFloor<'a>> {
+    floors.get(usize::from(layers.get(usize::from(mode.layer))?.floor))
+}
+
+/// A mode as it is reported, with the floor where there are several.
+pub(in crate::cli) fn pose_of<'a>(mode: &ScoredPose, floor: Option<&'a str>) -> Pose<'a> {
+    Pose {
+        floor,
+        x: Decimal(mode.at.x.to_num()),
+        y: Decimal(mode.at.y.to_num()),
+        heading_deg: Decimal(f64::from(mode.heading.to_microdegrees()) / 1e6),
+        score: Decimal(mode.score.to_num()),
+    }
+}
+
+fn summary(output: &Output<'_>) -> String {
+    let mut text = String::new();
+    for (rank, pose) in output.candidates.iter().enumerate() {
+        let floor = pose.floor.map_or_else(String::new, |name| format!("{name}  "));
+        let _ = writeln!(
+            text,
+            "{:>2}. {floor}x {:8.3} m  y {:8.3} m  heading {:6.2}  score {:8.2}",
+            rank + 1,
+            pose.x.0,
+            pose.y.0,
+            pose.heading_deg.0,
+            pose.score.0,
+        );
+    }
+    let Output { probability, margin, layer, camera_height_m, .. } = output;
+    let _ = writeln!(
+        text,
+        "probability {:.2}, margin {:.1} nats, {layer} fits best, camera {:.2} m above the floor",
+        probability.0, margin.0, camera_height_m.0
+    );
+    if let (Some(metres), Some(degrees)) = (output.position_error_m, output.heading_error_deg) {
+        let _ = writeln!(text, "{:.2} m and {:.1} degrees off", metres.0, degrees.0);
+    }
+    let stages: Vec<_> =
+        output.milliseconds.iter().map(|(stage, ms)| format!("{stage} {:.1}", ms.0)).collect();
+    let _ = writeln!(text, "milliseconds: {}", stages.join(", "));
+    text
+}

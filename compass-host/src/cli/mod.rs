@@ -1,0 +1,93 @@
+//! The subcommands, one file each.
+
+mod cameras;
+mod compare;
+mod compare_hits;
+mod debug;
+mod demo;
+mod describe;
+mod evaluate;
+mod exit;
+mod gravity;
+mod json;
+mod localize;
+mod map;
+mod pack;
+mod pictures;
+mod plan;
+mod pose;
+mod progress;
+mod see;
+mod segments;
+mod simulate;
+mod up;
+mod windows;
+
+use clap::{Parser, Subcommand};
+use exit::Outcome;
+use std::process::ExitCode;
+
+/// Where am I in this building? All it takes is the architect's floor plan.
+#[derive(Debug, Parser)]
+#[command(name = "compass", version, about)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Run the whole pipeline on the bundled sample building and write a report with pictures
+    Demo(demo::Demo),
+    /// Cast the descriptor of a position from a plan
+    Describe(describe::Describe),
+    /// Build site files, join them, or print what is in one
+    #[command(subcommand)]
+    Map(map::Map),
+    /// Find floor, position and heading on a site
+    Localize(localize::Localize),
+    /// Localize a recording frame by frame and as a sequence, and hold it against the truth
+    Evaluate(evaluate::Evaluate),
+    /// Pack the frames of one or two cameras as a board reads them
+    Pack(pack::Pack),
+    /// Compare the fixed-point core with the float reference, stage by stage
+    Compare(compare::Compare),
+    /// Compare window or wall as the cameras see it with the plan at a known pose
+    CompareHits(compare_hits::CompareHits),
+    /// Find the line segments of an image
+    Segments(segments::Segments),
+    /// Find the windows in one camera's frame
+    Windows(windows::Windows),
+    /// Tell which way is up from vertical lines
+    Gravity(gravity::Gravity),
+    /// Tell window from wall in every direction from one or two cameras
+    See(see::See),
+    /// Render the frames of two fisheye cameras from a plan
+    Simulate(simulate::Simulate),
+}
+
+impl Cli {
+    /// Runs the subcommand; an error names the thing at fault and the place.
+    fn run(&self) -> anyhow::Result<Outcome> {
+        match &self.command {
+            Command::Demo(command) => command.run(),
+            Command::Describe(command) => command.run(),
+            Command::Map(command) => command.run(),
+            Command::Localize(command) => command.run(),
+            Command::Evaluate(command) => command.run(),
+            Command::Pack(command) => command.run(),
+            Command::Compare(command) => command.run(),
+            Command::CompareHits(command) => command.run(),
+            Command::Segments(command) => command.run(),
+            Command::Windows(command) => command.run(),
+            Command::Gravity(command) => command.run(),
+            Command::See(command) => command.run(),
+            Command::Simulate(command) => command.run(),
+        }
+    }
+}
+
+/// Runs the command line of the process.
+pub(crate) fn main() -> ExitCode {
+    exit::code(Cli::parse().run())
+}

@@ -1,0 +1,112 @@
+//! `compass pack`: the frames of a rig as a board reads them.
+
+use super::Outcome;
+use super::cameras::{CameraArgs, Taken};
+use super::plan::size;
+use crate::cli::json::JsonOption;
+use anyhow::{Context as _, Result, bail};
+use compass_core::base::raster::BitMask;
+use compass_core::vision::shot::{Header, Writer};
+use compass_host::frame::Frame;
+use compass_host::output::{Bytes, Decimal, write_file};
+use image::RgbImage;
+use image::imageops::thumbnail;
+use serde::Serialize;
+use std::path::PathBuf;
+
+#[derive(Debug, clap::Args)]
+pub(super) struct Pack {
+    #[command(flatten)]
+    cameras: CameraArgs,
+    /// Size to shrink the frames to; lenses are scaled with them
+    #[arg(long, value_name = "WxH", value_parser = size, default_value = "368x360")]
+    size: (u32, u32),
+    /// When the frames were taken, nanoseconds since anything: a track wants to know
+    #[arg(long, value_name = "NS", default_value_t = 0, allow_negative_numbers = true)]
+    time_ns: i64,
+    /// The file to write
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+    #[command(flatten)]
+    json: JsonOption,
+}
+
+#[derive(Debug, Serialize)]
+struct Output {
+    cameras: usize,
+    width: u32,
+    height: u32,
+    bytes: usize,
+    up_in_cam0: [Decimal; 3],
+}
+
+/// A frame of the size that is packed.
+struct Small {
+    frame: Frame,
+    red: Vec<u8>,
+}
+
+impl Pack {
+    pub(super) fn run(&self) -> Result<Outcome> {
+        let taken = self.cameras.read()?;
+        let Some(up) = taken.up.hint() else {
+            bail!(
+                "a board does not guess which side of cam0's image is up: tell with --mount, --up or --imu"
+            );
+        };
+        // Frames of another shape than the calibrated one are refused, before they are pressed into this size.
+        taken.rig()?;
+        let [cam0, cam1] =
+            taken.frames.each_ref().map(|frame| frame.as_ref().map(|f| self.shrink(&taken, f)));
+        let small = [cam0.transpose()?, cam1.transpose()?];
+        let rig = taken.calibration.rig(small.each_ref().map(|small| small.as_ref().map(|_| self.size)))?;
+        let header = Header { time_ns: self.time_ns, rig, up, height_m: taken.height_m };
+        let bytes = self.bytes(&header, &small)?;
+        write_file(&self.out, &bytes)?;
+        let (width, height) = self.size;
+        let output = Output {
+            cameras: small.iter().flatten().count(),
+            width,
+            height,
+            bytes: bytes.len(),
+            up_in_cam0: [up.x, up.y, up.z].map(|v| Decimal(f64::from(v))),
+        };
+        let summary = format!(
+            "{}: {} camera(s) of {width} x {height} pixels, {} bytes\n",
+            self.out.display(),
+            output.cameras,
+            output.bytes
+        );
+        self.json.emit(&output, &summary)?;
+        Ok(Outcome::Done)
+    }
+
+    fn bytes(&self, header: &Header, small: &[Option<Small>; 2]) -> Result<Vec<u8>> {
+        let (width, height) = self.size;
+        let mut images = [None; 2];
+        for (image, small) in images.iter_mut().zip(small) {
+            let Some(Small { frame, red }) = small else { continue };
+            *image = Some((frame.gray(), BitMask::new(red, width, height)?));
+        }
+        let writer = Writer::new(header, images).with_context(|| self.out.display().to_string())?;
+        let Ok(Bytes(bytes)) = writer.write(Bytes(Vec::with_capacity(writer.shot_bytes())));
+        Ok(bytes)
+    }
+
+    /// Means over the blocks of pixels that become one.
+    fn shrink(&self, taken: &Taken, frame: &Frame) -> Result<Small> {
+        let (width, height) = self.size;
+        if width > frame.width() || height > frame.height() {
+            let (w, h) = (frame.width(), frame.height());
+            bail!("{}: frames of {w} x {h} pixels cannot shrink to {width} x {height}", taken.name);
+        }
+        let rgb = frame.rgb().map_or_else(
+            || frame.gray().pixels().iter().flat_map(|gray| [*gray; 3]).collect(),
+            <[u8]>::to_vec,
+        );
+        let image = RgbImage::from_raw(frame.width(), frame.height(), rgb);
+        let image = thumbnail(&image.context("frames have the pixels of their size")?, width, height);
+        let frame = Frame::from_rgb(image).with_context(|| format!("{}: no pixels", taken.name))?;
+        Ok(Small { red: frame.red_mask(), frame })
+    }
+}

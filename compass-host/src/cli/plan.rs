@@ -1,0 +1,131 @@
+//! The options that every command with a plan shares.
+
+use anyhow::{Context as _, Result, bail};
+use compass_core::base::scan::Scan;
+use compass_host::plan_import::structure::keep_structure;
+use compass_host::plan_import::{self, PlanOptions, PlanRaster};
+use compass_host::site::PackedPlan;
+use std::path::{Path, PathBuf};
+
+/// How a plan file is read.
+#[derive(Debug, Clone, clap::Args)]
+pub(super) struct Reading {
+    /// Raster of the same size with the walls alone; glazing is what the plan has beyond it
+    #[arg(long, value_name = "FILE")]
+    walls: Option<PathBuf>,
+    /// Metres per pixel [default: 0.01, or what the ROS .yaml says]
+    #[arg(long, value_name = "M", allow_hyphen_values = true)]
+    resolution: Option<f64>,
+    /// Map position of the outer corner of the bottom-left pixel in metres [default: 0,0]
+    #[arg(long, value_name = "X,Y", value_parser = pair, allow_hyphen_values = true)]
+    origin: Option<[f64; 2]>,
+    /// Luma below which a pixel is dark, 0..255
+    #[arg(long, value_name = "N", default_value_t = plan_import::DEFAULT_DARK_BELOW)]
+    dark_below: u8,
+    /// Excess of red over the larger of green and blue from which a pixel is glazing, 0..255
+    #[arg(long, value_name = "N", default_value_t = plan_import::DEFAULT_RED_EXCESS)]
+    red_excess: u8,
+    /// Keep only walls at least M metres thick and the glazing of the facade [default without a value: 0.25]
+    #[arg(long, value_name = "M", num_args = 0..=1, default_missing_value = "0.25", value_parser = finite)]
+    structure: Option<f64>,
+}
+
+impl Reading {
+    /// Reads and packs a plan.
+    pub(super) fn load(&self, plan: &Path) -> Result<(PlanRaster, PackedPlan)> {
+        let mut options = PlanOptions::new(plan);
+        options.walls.clone_from(&self.walls);
+        options.resolution_m = self.resolution;
+        options.origin = self.origin;
+        options.dark_below = self.dark_below;
+        options.red_excess = self.red_excess;
+        let mut raster = plan_import::load(&options)?;
+        if let Some(thickness_m) = self.structure {
+            raster = keep_structure(&raster, thickness_m).with_context(|| plan.display().to_string())?;
+        }
+        let packed = PackedPlan::new(&raster).with_context(|| plan.display().to_string())?;
+        Ok((raster, packed))
+    }
+}
+
+/// A plan file, by position or by `--plan`, and how it is read.
+#[derive(Debug, Clone, clap::Args)]
+pub(super) struct PlanArgs {
+    /// Floor plan: dark = wall, red = glazing; or a ROS map .yaml
+    #[arg(value_name = "PLAN", conflicts_with = "plan_option")]
+    plan: Option<PathBuf>,
+    /// The same, as an option
+    #[arg(long = "plan", id = "plan_option", value_name = "FILE")]
+    plan_option: Option<PathBuf>,
+    #[command(flatten)]
+    reading: Reading,
+}
+
+impl PlanArgs {
+    /// The file, when one was named.
+    pub(super) fn path(&self) -> Option<&Path> {
+        self.plan.as_deref().or(self.plan_option.as_deref())
+    }
+
+    /// Reads and packs the plan.
+    pub(super) fn load(&self) -> Result<(PlanRaster, PackedPlan)> {
+        let Some(path) = self.path() else { bail!("no plan: name one as PLAN or with --plan FILE") };
+        self.reading.load(path)
+    }
+}
+
+/// A pose on a plan to hold something against; all or nothing.
+#[derive(Debug, Clone, clap::Args)]
+pub(super) struct PoseOnPlan {
+    /// Floor plan to hold it against: dark = wall, red = glazing; or a ROS map .yaml
+    #[arg(long, value_name = "FILE", requires = "at", requires = "heading")]
+    plan: Option<PathBuf>,
+    /// Position on the plan in metres
+    #[arg(long, value_name = "X,Y", value_parser = pair, allow_hyphen_values = true, requires = "plan")]
+    at: Option<[f64; 2]>,
+    /// Heading on the plan in degrees, counter-clockwise from +x
+    #[arg(long, value_name = "DEG", value_parser = finite, allow_hyphen_values = true, requires = "plan")]
+    heading: Option<f64>,
+    #[command(flatten)]
+    reading: Reading,
+}
+
+impl PoseOnPlan {
+    /// The scan of the plan there, when it was named.
+    pub(super) fn scan(&self) -> Result<Option<Scan>> {
+        let (Some(path), Some(at), Some(heading)) = (&self.plan, self.at, self.heading) else {
+            return Ok(None);
+        };
+        let (_, packed) = self.reading.load(path)?;
+        packed.scan(at, heading).with_context(|| path.display().to_string()).map(Some)
+    }
+}
+
+/// Two finite numbers, `X,Y`.
+pub(super) fn pair(text: &str) -> Result<[f64; 2], String> {
+    let wanted = || format!("'{text}' is not two numbers X,Y");
+    let (x, y) = text.split_once(',').ok_or_else(wanted)?;
+    Ok([finite(x.trim()).map_err(|_| wanted())?, finite(y.trim()).map_err(|_| wanted())?])
+}
+
+/// Two whole numbers, `WxH`.
+pub(super) fn size(text: &str) -> Result<(u32, u32), String> {
+    let sides = text.split_once('x').and_then(|(w, h)| w.parse().ok().zip(h.parse().ok()));
+    let good = sides.filter(|(w, h)| (1..=20_000).contains(w) && (1..=20_000).contains(h));
+    good.ok_or_else(|| format!("'{text}' is not WxH with sides of 1 to 20000 pixels"))
+}
+
+/// A finite number.
+pub(super) fn finite(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        _ => Err(format!("'{text}' is not a finite number")),
+    }
+}
+
+/// The sample building as a plan.
+pub(super) fn sample() -> Result<(PlanRaster, PackedPlan)> {
+    let raster = PlanRaster::from(compass_host::sample::building());
+    let packed = PackedPlan::new(&raster)?;
+    Ok((raster, packed))
+}

@@ -1,0 +1,30 @@
+//! Progress bars on standard error; silent when that is no terminal.
+
+use compass_host::progress::{Progress, Steps};
+use indicatif::{ProgressBar, ProgressStyle};
+
+/// Shows the library's progress as bars.
+pub(super) struct Bars;
+
+/// A bar that disappears when its work ends.
+struct Bar(ProgressBar);
+
+impl Progress for Bars {
+    fn begin(&self, total: usize, what: &'static str) -> Box<dyn Steps> {
+        let style = ProgressStyle::with_template("{msg} [{bar:40}] {pos}/{len} {eta}");
+        let bar = ProgressBar::new(total as u64).with_message(what);
+        Box::new(Bar(style.map_or_else(|_| bar.clone(), |style| bar.clone().with_style(style))))
+    }
+}
+
+impl Steps for Bar {
+    fn step(&self) {
+        self.0.inc(1);
+    }
+}
+
+impl Drop for Bar {
+    fn drop(&mut self) {
+        self.0.finish_and_clear();
+    }
+}

@@ -1,0 +1,136 @@
+//! `compass windows`: the windows in one camera's frame.
+
+use super::cameras::UpArg;
+use super::debug::Found;
+use super::see::WindowOutput;
+use super::{Outcome, debug};
+use crate::cli::json::JsonOption;
+use anyhow::{Context as _, Result};
+use compass_core::vision::level_frame::LevelFrame;
+use compass_core::vision::segments::Parameters;
+use compass_host::calibration::Calibration;
+use compass_host::eyes::{Eyes, EyesError};
+use compass_host::frame::{Frame, SegmentDetector};
+use compass_host::paper_finder::PaperFinder;
+use serde::Serialize;
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+#[derive(Debug, clap::Args)]
+pub(super) struct Windows {
+    /// Camera calibration: a Kalibr camera-imu chain .yaml
+    #[arg(long, value_name = "FILE")]
+    calib: PathBuf,
+    /// Which camera the frame is of
+    #[arg(long, value_enum)]
+    camera: Which,
+    /// The frame
+    #[arg(value_name = "IMAGE")]
+    image: PathBuf,
+    #[command(flatten)]
+    up: UpArg,
+    /// How to find them
+    #[arg(long, value_enum, default_value_t = Method::Level)]
+    method: Method,
+    /// Write pictures of what was found and considered into DIR
+    #[arg(long, value_name = "DIR")]
+    debug_dir: Option<PathBuf>,
+    #[command(flatten)]
+    json: JsonOption,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Which {
+    Cam0,
+    Cam1,
+}
+
+impl Which {
+    const fn number(self) -> usize {
+        match self {
+            Self::Cam0 => 0,
+            Self::Cam1 => 1,
+        }
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Method {
+    /// On the ring levelled by the up vector
+    Level,
+    /// As in the paper, along the image's own vertical
+    Paper,
+}
+
+#[derive(Debug, Serialize)]
+struct Output {
+    windows: Vec<WindowOutput>,
+    truncated: bool,
+}
+
+impl Windows {
+    pub(super) fn run(&self) -> Result<Outcome> {
+        let calibration = Calibration::load(&self.calib)?;
+        let frame = Frame::read(&self.image)?;
+        let size = Some((frame.width(), frame.height()));
+        let sizes = [0, 1].map(|camera| size.filter(|_| camera == self.camera.number()));
+        let mut eyes = Eyes::new(calibration.rig(sizes)?);
+        let output = match self.method {
+            Method::Level => self.level(&frame, &mut eyes)?,
+            Method::Paper => self.paper(&frame, &mut eyes)?,
+        };
+        let mut summary = format!("{} windows\n", output.windows.len());
+        for w in &output.windows {
+            let _ = writeln!(summary, "{w}");
+        }
+        self.json.emit(&output, &summary)?;
+        Ok(Outcome::Done)
+    }
+
+    /// On the levelled ring.
+    fn level(&self, frame: &Frame, eyes: &mut Eyes) -> Result<Output> {
+        let frames = [0, 1].map(|camera| Some(frame).filter(|_| camera == self.camera.number()));
+        eyes.detect(frames).with_context(|| self.image.display().to_string())?;
+        let up = self.up.resolve(eyes, frames).with_context(|| self.image.display().to_string())?;
+        let seen = eyes.windows(frames, &up).with_context(|| self.image.display().to_string())?;
+        let (level, found, sighting) = (seen.level, seen.windows.to_vec(), seen.sighting);
+        if let Some(dir) = &self.debug_dir {
+            Found {
+                frames,
+                eyes,
+                level,
+                windows: &found,
+                sighting: &sighting,
+                surroundings: None,
+                plan: None,
+            }
+            .draw(dir)?;
+        }
+        let windows = found.iter().map(|w| WindowOutput::new(w, eyes, &level)).collect();
+        Ok(Output { windows, truncated: sighting.truncated })
+    }
+
+    /// In the image as it is; the up vector only says what azimuths are.
+    fn paper(&self, frame: &Frame, eyes: &mut Eyes) -> Result<Output> {
+        let camera = self.camera.number();
+        let name = || self.image.display().to_string();
+        let mut detector = SegmentDetector::new(frame.width(), frame.height());
+        let (segments, _) =
+            detector.detect(&frame.gray(), None, &Parameters::default()).with_context(name)?;
+        let mut finder = PaperFinder::new(frame.width(), frame.height());
+        let found = finder.find(frame, segments).with_context(name)?;
+        if let Some(dir) = &self.debug_dir {
+            debug::paper(dir, camera, frame, &finder)?;
+        }
+        let frames = [0, 1].map(|camera| Some(frame).filter(|_| camera == self.camera.number()));
+        eyes.detect(frames).with_context(name)?;
+        let level =
+            LevelFrame::new(&self.up.resolve(eyes, frames).with_context(name)?).ok_or(EyesError::Up)?;
+        let view = eyes.rig().view(camera).context("the calibration has no such camera")?;
+        let output = |w| WindowOutput::in_image(w, camera, view, &level);
+        Ok(Output {
+            windows: finder.windows().iter().filter_map(output).collect(),
+            truncated: found.truncated,
+        })
+    }
+}

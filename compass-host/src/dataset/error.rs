@@ -1,0 +1,32 @@
+//! Why a recording could not be read.
+
+use super::lines::LinesError;
+use crate::image_file::ImageFileError;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// Why a recording could not be read: one line, with the file and the place at fault.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum DatasetError {
+    /// A list cannot be read, or a line of it is no frame or reading.
+    #[error(transparent)]
+    Lines(#[from] LinesError),
+    /// A frame cannot be read.
+    #[error(transparent)]
+    Image(#[from] ImageFileError),
+    /// The folder, or a file of a bag, is not as it should be.
+    #[error("{}: {problem}", path.display())]
+    Bad {
+        /// The folder or file.
+        path: PathBuf,
+        /// What is wrong with it, and where.
+        problem: String,
+    },
+}
+
+impl DatasetError {
+    pub(super) fn bad(path: &Path, problem: impl Into<String>) -> Self {
+        Self::Bad { path: path.to_path_buf(), problem: problem.into() }
+    }
+}

@@ -1,0 +1,9 @@
+//! From a plan raster to what the core works on: the packed plan and the site map.
+
+mod build;
+mod packed_plan;
+mod place;
+
+pub use build::{BuildError, BuildOptions, build, build_with_progress};
+pub use packed_plan::{PackError, PackedPlan, ScanError};
+pub use place::{point, turn, wrapped};

@@ -1,0 +1,40 @@
+//! Positions and headings of the core from metres and degrees.
+
+use compass_core::base::num::{Metres, Point, Turn};
+
+/// A point of the map from metres; `None` when it is no number or out of reach.
+#[must_use]
+pub fn point(x: f64, y: f64) -> Option<Point> {
+    let metres = |v: f64| if v.is_finite() { Metres::checked_from_num(v) } else { None };
+    Some(Point::new(metres(x)?, metres(y)?))
+}
+
+/// A heading from degrees.
+#[must_use]
+pub fn turn(degrees: f64) -> Turn {
+    let share = degrees.rem_euclid(360.0) / 360.0;
+    // 2^32 itself is the whole turn, that is 0.
+    Turn::from_bits((share * 4_294_967_296.0).round() as u64 as u32)
+}
+
+/// An angle in degrees, of any size, as one from -180 up to 180.
+#[must_use]
+pub fn wrapped(degrees: f64) -> f64 {
+    (degrees + 180.0).rem_euclid(360.0) - 180.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn degrees_become_turns() {
+        for degrees in [-720.0, -90.0, 0.0, 12.345, 359.999_999_999_9, 1e6] {
+            let back = f64::from(turn(degrees).to_bits()) / 4_294_967_296.0 * 360.0;
+            let error = wrapped(back - f64::rem_euclid(degrees, 360.0));
+            assert!(error.abs() < 1e-7, "{degrees} became {back}");
+        }
+        assert!(point(f64::NAN, 0.0).is_none());
+        assert!(point(1e12, 0.0).is_none());
+    }
+}

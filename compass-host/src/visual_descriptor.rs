@@ -1,0 +1,104 @@
+//! What both cameras see, in metres: range, hit type and how sure they are, by direction.
+
+use compass_core::base::confidence::Confidence;
+use compass_core::base::ladder::{HEIGHTS_M, height_m, height_rungs};
+use compass_core::base::num::BINS;
+use compass_core::base::scan::{Hit, Scan};
+use compass_core::vision::boundary::{Range, RangeLikelihoods};
+use compass_core::vision::visual_scan;
+use compass_core::vision::windows::WindowEvidence;
+
+/// Height of a room, metres, that makes the camera's height where nobody told it: a usual one of offices and flats.
+pub const ROOM_M: f32 = 2.75;
+
+/// Height of cam0 above the floor, and that of the ceiling, metres.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Height {
+    /// Of the camera.
+    pub camera_m: f32,
+    /// Of the ceiling, as a multiple of it.
+    pub ceiling_m: f32,
+    /// Whether the camera's was told; else the room is taken to be [`ROOM_M`] high.
+    pub given: bool,
+}
+
+impl Height {
+    /// The height told, or the one that makes a room of [`ROOM_M`], bounded by [`HEIGHTS_M`].
+    #[must_use]
+    pub fn new(given_m: Option<f32>, ranges: &RangeLikelihoods) -> Self {
+        let whole = 1.0 + ranges.ceiling_ratio();
+        let camera_m = given_m.unwrap_or_else(|| (ROOM_M / whole).clamp(HEIGHTS_M[0], HEIGHTS_M[1]));
+        Self { camera_m, ceiling_m: camera_m * whole, given: given_m.is_some() }
+    }
+
+    /// In rungs of range, rounded.
+    #[must_use]
+    pub fn rungs(&self) -> i8 {
+        height_rungs(self.camera_m)
+    }
+
+    /// The height over that of [`Self::rungs`].
+    fn rest(&self) -> f32 {
+        self.camera_m / height_m(self.rungs())
+    }
+}
+
+/// Range and hit type in every direction, bin j at heading + j degrees, counter-clockwise.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VisualDescriptor {
+    /// The height that ranges are reckoned with.
+    pub height: Height,
+    /// Likeliest range in metres and how sure it is; `None` where neither floor nor ceiling was seen.
+    pub ranges: [Option<Range>; BINS],
+    /// Hit type; `None` where neither camera sees, or safety gear hides it.
+    pub hit: [Option<Hit>; BINS],
+    /// Both as the paper's descriptor is made of them: unknown ranges are those of the nearest direction.
+    pub scan: Scan,
+    /// How sure the bins of `scan` are.
+    pub confidence: Confidence,
+}
+
+impl VisualDescriptor {
+    /// From what was measured and seen in one pair of frames; `height_m` is that of cam0 above the floor, if known.
+    #[must_use]
+    pub fn new(ranges: &RangeLikelihoods, sighting: &WindowEvidence, height_m: Option<f32>) -> Self {
+        let height = Height::new(height_m, ranges);
+        let (rungs, rest) = (height.rungs(), height.rest());
+        let (scan, confidence) = visual_scan::scan(ranges, rungs, sighting);
+        // The core counts heights in rungs; what that rounds off is known here.
+        let exact = |range: Range| Range { metres: range.metres * rest, ..range };
+        let known = sighting.confidence.sixteenths();
+        Self {
+            height,
+            ranges: std::array::from_fn(|bin| ranges.range(bin, rungs).map(exact)),
+            hit: std::array::from_fn(|bin| (known[bin] > 0).then_some(scan.hit[bin])),
+            scan,
+            confidence,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use compass_core::base::ladder::RUNG;
+
+    #[test]
+    fn an_unknown_height_makes_a_usual_room() {
+        let height = Height::new(None, &RangeLikelihoods::EMPTY);
+        assert_eq!((height.camera_m, height.ceiling_m, height.given), (1.375, 2.75, false));
+        let told = Height::new(Some(1.87), &RangeLikelihoods::EMPTY);
+        assert_eq!((told.camera_m, told.ceiling_m, told.given), (1.87, 3.74, true));
+        for camera_m in [0.55, 0.986, 1.5, 1.87, 2.4] {
+            let told = Height::new(Some(camera_m), &RangeLikelihoods::EMPTY);
+            assert!((told.rest().ln() / RUNG).abs() <= 0.5001, "{camera_m}");
+        }
+    }
+
+    #[test]
+    fn of_nothing_seen_nothing_is_known() {
+        let seen = VisualDescriptor::new(&RangeLikelihoods::EMPTY, &WindowEvidence::NOTHING, None);
+        assert!(seen.ranges.iter().all(Option::is_none) && seen.hit.iter().all(Option::is_none));
+        assert_eq!(seen.confidence, Confidence::new(&[0; BINS]));
+    }
+}
