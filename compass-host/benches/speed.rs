@@ -11,7 +11,7 @@ use compass_core::descriptor::matching::{Board, Exact, Group, Index, Match, exha
 use compass_core::descriptor::similarity::{Query, Similarity, Weights};
 use compass_core::map::site_map::SiteMap;
 use compass_core::pose::evidence::EvidenceTable;
-use compass_core::pose::{FloorLayer, PLANES, Rows, ScoredPose, plane_of, refine, search};
+use compass_core::pose::{FloorLayer, PLANES, PoolEntry, Rows, ScoredPose, plane_of, refine, search};
 use compass_host::compare::interior_poses;
 use compass_host::noise::disturb;
 use compass_host::plan_import::{self, PlanOptions, PlanRaster};
@@ -193,12 +193,12 @@ fn likelihoods(c: &mut Criterion) {
     let packed = PackedPlan::new(&raster).expect("a plan");
     let bytes = build(&raster, &packed, None, &BuildOptions::default()).expect("a map");
     let map = SiteMap::new(&bytes).expect("a map");
-    let layer = FloorLayer { map, number: 0, plan: packed.view(), floor: 0 };
+    let layer = FloorLayer { map, number: 0, plan: packed.view(), floor: 0, name: "floor" };
     let poses = interior_poses(&raster, 20, 3).expect("an interior");
     let (x, y, heading) =
         poses.into_iter().find(|&(x, y, h)| packed.scan([x, y], h).is_ok()).expect("a free pose");
     let table = evidence(&packed.scan([x, y], heading).expect("a free pose"));
-    let mut pool = vec![ScoredPose::NONE; 512];
+    let mut pool = vec![PoolEntry::EMPTY; 512];
     let mut group = c.benchmark_group(format!("likelihood of {} candidates", map.len()));
     group.sample_size(20);
     let mut fine = Box::new(Rows::<360>::BLANK);
@@ -208,7 +208,7 @@ fn likelihoods(c: &mut Criterion) {
     coarse.set(&table);
     group.bench_function("90 headings", |b| b.iter(|| search(&coarse, &[layer], |_, _| true, &mut pool)));
     let used = search(&fine, &[layer], |_, _| true, &mut pool).min(24);
-    let modes = pool.get(..used).unwrap_or_default();
+    let modes: Vec<ScoredPose> = pool[..used].iter().filter_map(|entry| entry.pose(&[layer])).collect();
     group.bench_function(format!("{used} refinements"), |b| {
         b.iter(|| modes.iter().map(|&mode| refine(&table, &layer, mode).score).max());
     });

@@ -7,7 +7,7 @@
 //! SITE is what `compass map build` writes, CALIBRATION a Kalibr camera chain, CAM0 and CAM1 are images of the two
 //! cameras at one moment. Prints the poses that explain the frames best, the likeliest first.
 
-use compass_host::{Calibration, Eyes, Frame, Locator, Mount, SiteFile, localize};
+use compass_host::{Calibration, Frame, HeightPrior, Locator, Mount, Settings, SiteFile, localize};
 use std::error::Error;
 use std::path::PathBuf;
 
@@ -20,25 +20,23 @@ fn main() -> Result<(), Box<dyn Error>> {
     // The rig is made for the sizes of the frames: the calibration scales to them.
     let frames = [Frame::read(cam0)?, Frame::read(cam1)?];
     let sizes = frames.each_ref().map(|frame| Some((frame.width(), frame.height())));
-    let mut eyes = Eyes::new(Calibration::load(calibration)?.rig(sizes)?);
+    let rig = Calibration::load(calibration)?.rig(sizes)?;
 
-    // Eyes and locator hold all buffers: a program that localizes many frames makes them once.
+    // A locator holds all memory: a program that localizes many frames makes it once.
     let site = SiteFile::read(site)?;
-    let floors = site.floors();
-    let mut locator = Locator::new(&floors)?;
-    let fix = localize(&mut locator, &mut eyes, frames.each_ref().map(Some), Mount::Auto, None)?;
+    let mut locator = Locator::new(&site.floors(), rig, Settings::FULL)?;
+    let fix = localize(&mut locator, frames.each_ref().map(Some), Mount::Auto, HeightPrior::UNKNOWN)?;
 
     println!("probability that the first pose is within 1 m: {:.2}", fix.probability());
-    for pose in fix.answer.modes() {
+    for pose in fix.poses() {
         let layer = locator.layers().get(usize::from(pose.layer));
-        let floor = layer.and_then(|layer| floors.get(usize::from(layer.floor)));
         println!(
             "floor {}  x {:.2} m  y {:.2} m  heading {:.1} degrees  {:.1} nats",
-            floor.and_then(|floor| floor.name()).unwrap_or("unnamed"),
+            layer.map_or("unknown", |layer| layer.name),
             pose.at.x,
             pose.at.y,
             f64::from(pose.heading.to_microdegrees()) / 1e6,
-            f64::from(pose.score) / 16.0,
+            pose.score,
         );
     }
     Ok(())

@@ -27,6 +27,12 @@ impl Clock {
         self.last = Instant::now();
     }
 
+    /// Takes over stages that were timed elsewhere.
+    pub fn extend(&mut self, stages: impl IntoIterator<Item = (&'static str, f64)>) {
+        self.stages.extend(stages);
+        self.restart();
+    }
+
     /// What the stages took.
     pub fn stages(&self) -> &BTreeMap<&'static str, f64> {
         &self.stages

@@ -5,8 +5,8 @@
 //!
 //! ```no_run
 //! use compass_host::{
-//!     BuildOptions, Calibration, Eyes, Frame, Locator, Mount, PackedPlan, PlanOptions, SiteFile, floor_bytes,
-//!     load_plan, localize, write_file,
+//!     BuildOptions, Calibration, Frame, HeightPrior, Locator, Mount, PackedPlan, PlanOptions, Settings, SiteFile,
+//!     floor_bytes, load_plan, localize, write_file,
 //! };
 //! use std::path::Path;
 //!
@@ -20,12 +20,11 @@
 //! let calibration = Calibration::load(Path::new("camchain-imucam.yaml"))?;
 //! let frames = [Frame::read(Path::new("cam0.png"))?, Frame::read(Path::new("cam1.png"))?];
 //! let sizes = frames.each_ref().map(|frame| Some((frame.width(), frame.height())));
-//! let mut eyes = Eyes::new(calibration.rig(sizes)?);
 //!
 //! let site = SiteFile::read(Path::new("building.site"))?;
-//! let mut locator = Locator::new(&site.floors())?;
-//! let fix = localize(&mut locator, &mut eyes, frames.each_ref().map(Some), Mount::Auto, None)?;
-//! if let Some(pose) = fix.answer.best() {
+//! let mut locator = Locator::new(&site.floors(), calibration.rig(sizes)?, Settings::FULL)?;
+//! let fix = localize(&mut locator, frames.each_ref().map(Some), Mount::Auto, HeightPrior::UNKNOWN)?;
+//! if let Some(pose) = fix.pose() {
 //!     println!("x {} m, y {} m, probability {:.2}", pose.at.x, pose.at.y, fix.probability());
 //! }
 //! # Ok(())
@@ -49,8 +48,8 @@
 //! | [`site`], [`site_file`] | packed plans, site maps, files of floors |
 //! | [`reference`](mod@reference) | the method once more, in plain floats |
 //! | [`calibration`], [`dataset`] | lenses and rigs; recordings, trajectories, IMU |
-//! | [`eyes`], [`up`], [`visual_descriptor`] | what a pair of frames shows |
-//! | [`locator`], [`localize`](mod@localize) | from what is seen to a pose |
+//! | [`locator`], [`up`], [`localize`](mod@localize) | from a pair of frames to a pose |
+//! | [`visual_descriptor`] | what a pair of frames shows |
 //! | [`wall_check`] | which walls of a plan stand |
 //! | [`localizer`], [`noise`], [`paper_finder`], [`cross_modal`] | the paper's matching, and what it is tried with |
 //! | [`sample`], [`simulate`] | a sample building; frames rendered from a plan |
@@ -69,7 +68,6 @@ pub mod compare;
 pub mod cross_modal;
 pub mod dataset;
 pub mod evaluate;
-pub mod eyes;
 pub mod figures;
 pub mod frame;
 pub mod image_file;
@@ -96,18 +94,18 @@ mod wide;
 
 pub use calibration::{Calibration, CalibrationError};
 pub use compass_core;
-pub use compass_core::pose::locate::Fix;
+pub use compass_core::{Fix, HeightPrior, Settings};
 pub use dataset::recording::{DatasetError, Recording, Shot};
 pub use dataset::trajectory::Trajectory;
-pub use eyes::{Eyes, EyesError, Mount};
 pub use frame::Frame;
 pub use image_file::ImageFileError;
 pub use localize::localize;
-pub use locator::{Locator, NoPlan};
+pub use locator::{Locator, NoPlan, SeeError};
 pub use output::{OutputError, write_file};
 pub use plan_descriptor::PlanDescriptor;
 pub use plan_import::{PlanImportError, PlanOptions, PlanRaster, load as load_plan};
 pub use progress::{Progress, Silent, Steps};
 pub use site::{BuildError, BuildOptions, PackError, PackedPlan, ScanError};
 pub use site_file::{FloorBuildError, SiteFile, SiteFileError, SiteFloor, floor_bytes};
+pub use up::Mount;
 pub use visual_descriptor::VisualDescriptor;

@@ -1,33 +1,26 @@
-//! From a pair of frames to a pose: all steps with their defaults, in one call.
+//! From a pair of frames to a pose: all stages with their defaults, in one call.
 
-use crate::eyes::{Eyes, EyesError, Mount};
 use crate::frame::Frame;
-use crate::locator::Locator;
-use compass_core::base::ladder::height_rungs;
-use compass_core::pose::locate::{Fix, HeightPrior};
+use crate::locator::{Locator, SeeError, see};
+use crate::up::Mount;
+use compass_core::{Fix, HeightPrior};
 
 /// Finds where in a site a pair of frames was taken.
 ///
-/// `frames` are those of cam0 and cam1, of the sizes that the rig of `eyes` was made for; one may be missing.
-/// `mount` says which side of cam0's image is up; `camera_height_m` is the height of cam0 above the floor in metres,
-/// which is estimated when absent.
+/// `frames` are those of cam0 and cam1, of the sizes that the rig of the locator was made for. `mount` says which side of
+/// cam0's image is up.
 ///
 /// # Errors
-/// [`EyesError`]: the image does not tell which way is up, or a frame is larger than the rig's.
-pub fn localize(
-    locator: &mut Locator<'_>,
-    eyes: &mut Eyes,
+/// [`SeeError`]: the image does not tell which way is up, or the frames are not those of the rig.
+pub fn localize<'a>(
+    locator: &mut Locator<'a>,
     frames: [Option<&Frame>; 2],
     mount: Mount,
-    camera_height_m: Option<f32>,
-) -> Result<Fix, EyesError> {
-    eyes.detect(frames)?;
-    let up = eyes.vertical(frames, mount)?.up;
-    let seen = eyes.windows(frames, &up)?;
-    let (windows, up) = (seen.sighting, seen.level.up());
-    let boundary = eyes.survey(frames, &up)?;
-    let prior = HeightPrior { height: camera_height_m.map(height_rungs), ceiling: None };
-    Ok(locator.locate(&boundary, prior, &windows))
+    heights: HeightPrior,
+) -> Result<Fix<'a>, SeeError> {
+    let mut segmented = locator.segment(frames)?;
+    let up = mount.vertical(&mut segmented)?.up;
+    Ok(see(segmented.level(&up)?).locate(heights))
 }
 
 #[cfg(test)]
@@ -41,6 +34,7 @@ mod tests {
     use crate::simulate::{Scene, SceneOptions, render};
     use crate::site::{BuildOptions, PackedPlan};
     use crate::site_file::{SiteFile, floor_bytes};
+    use compass_core::Settings;
 
     #[test]
     fn rendered_frames_are_found_where_they_were_rendered() {
@@ -56,17 +50,17 @@ mod tests {
         let pose = Pose::looking(0, [x, y, 1.6], heading, 4.0, 187.0);
         let frames = render(&Scene::new(&SceneOptions::default(), &raster), &rig, &pose)
             .map(|image| image.and_then(Frame::from_rgb));
-        let mut locator = Locator::new(&site.floors()).unwrap();
-        let mut eyes = Eyes::new(rig);
+        let mut locator = Locator::new(&site.floors(), rig, Settings::FULL).unwrap();
         let frames = frames.each_ref().map(Option::as_ref);
-        let fix = localize(&mut locator, &mut eyes, frames, Mount::Inverted, None).unwrap();
-        let best = fix.answer.best().unwrap();
-        let off = [best.at.x.to_num::<f64>() - x, best.at.y.to_num::<f64>() - y];
+        let fix = localize(&mut locator, frames, Mount::Inverted, HeightPrior::UNKNOWN).unwrap();
+        let pose = fix.pose().unwrap();
+        assert_eq!(fix.floor_name(), Some("sample"));
+        let off = [pose.at.x.to_num::<f64>() - x, pose.at.y.to_num::<f64>() - y];
         assert!(off[0].hypot(off[1]) < 0.5, "{off:?} m off");
-        let dark = [None, None];
-        assert!(matches!(
-            localize(&mut locator, &mut Eyes::new(rig), dark, Mount::Inverted, None),
-            Err(EyesError::NoVertical)
-        ));
+        let missing = localize(&mut locator, [None, None], Mount::Inverted, HeightPrior::UNKNOWN);
+        assert_eq!(missing.unwrap_err().to_string(), "the frame of cam0 is missing");
+        let black = Frame::from_rgb(image::RgbImage::new(736, 720)).unwrap();
+        let dark = localize(&mut locator, [Some(&black); 2], Mount::Inverted, HeightPrior::UNKNOWN);
+        assert!(matches!(dark, Err(SeeError::NoVertical)));
     }
 }

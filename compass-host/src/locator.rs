@@ -1,102 +1,283 @@
-//! From frames to a pose on a site: the core's search with its buffers.
+//! The pipeline of `compass-core` with memory on the heap, the widest vectors of the machine, and a watch.
 
+use crate::frame::Frame;
 use crate::site_file::SiteFloor;
-use compass_core::pose::evidence::{EvidenceTable, weigh};
-use compass_core::pose::locate::{Effort, Fix, HeightPrior, Work, locate};
-use compass_core::pose::{Answer, FloorLayer, Rows, ScoredPose, answer, refine, search};
-use compass_core::vision::boundary::{BoundaryEvidence, RangeLikelihoods};
-use compass_core::vision::windows::WindowEvidence;
+use crate::wide::wide;
+use compass_core::base::raster::RgbImage;
+use compass_core::locator::{self, Frames, LAYERS_OF_A_SITE, Picture, Stage, Trace};
+use compass_core::pose::evidence::EvidenceTable;
+use compass_core::pose::{Answer, FloorLayer};
+use compass_core::vision::attitude::LEAST_INLIERS;
+use compass_core::vision::boundary::BoundaryEvidence;
+use compass_core::vision::camera::{Bearing, Rig};
+use compass_core::vision::panorama::Resolution;
+use compass_core::vision::sample::ExclusionMask;
+use compass_core::vision::windows::{Edge, WindowBox, WindowEvidence, visit_edges};
+use compass_core::{LocateError, Settings};
+use std::collections::BTreeMap;
+use std::time::Instant;
 use thiserror::Error;
 
-/// Modes that the search may choose from.
-const POOL: usize = 512;
-/// Headings that the search tries: 180 and 360 found no more on recorded and simulated frames.
-const HEADINGS: usize = 90;
+/// Why nothing could be seen.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum SeeError {
+    /// The up vector leaves no heading.
+    #[error("the up vector lies along the optical axis of cam0, or is no vector: it leaves no heading")]
+    Up,
+    /// Too few segments point to one vertical vanishing point.
+    #[error(
+        "cannot tell which way is up: fewer than {LEAST_INLIERS} segments point to one vertical vanishing point; give it with --up"
+    )]
+    NoVertical,
+    /// The windows do not tell up from down.
+    #[error(
+        "cannot tell up from down: no windows, or no sky in them; give --mount upright or inverted, or --up"
+    )]
+    NoSky,
+    /// Image and IMU tell different directions.
+    #[error(
+        "image and IMU disagree on up by {0:.1} degrees: is the IMU at rest, and its calibration that of this rig?"
+    )]
+    Disagreement(f64),
+    /// The frames are not those of the rig.
+    #[error(transparent)]
+    Frames(LocateError),
+}
+
+impl From<LocateError> for SeeError {
+    fn from(error: LocateError) -> Self {
+        match error {
+            LocateError::Up => Self::NoVertical,
+            LocateError::Axis => Self::Up,
+            other => Self::Frames(other),
+        }
+    }
+}
 
 /// A floor of a site has no plan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[error("has no plan to refine poses on; build it anew with compass map build")]
 pub struct NoPlan;
 
-/// All layers of all floors of a site, and buffers for the search.
+type Inner<'a> = locator::Locator<'a, Vec<u32>, Watch, LAYERS_OF_A_SITE>;
+/// Frames whose line segments were found.
+pub type Segmented<'l, 'f, 'a> = locator::Segmented<'l, 'f, Inner<'a>>;
+/// Frames of which it is known which way is up.
+pub type Levelled<'l, 'f, 'a> = locator::Levelled<'l, 'f, Inner<'a>>;
+/// Frames of which is known what they show.
+pub type Seen<'l, 'a> = locator::Seen<'l, Inner<'a>>;
+
+/// Finds the poses of a rig on a site: made once, used for every pair of frames without allocating.
 #[derive(Debug)]
-pub struct Locator<'a> {
-    layers: Vec<FloorLayer<'a>>,
-    ranges: Box<RangeLikelihoods>,
-    table: Box<EvidenceTable>,
-    rows: Box<Rows<HEADINGS>>,
-    pool: Vec<ScoredPose>,
-}
+pub struct Locator<'a>(Inner<'a>);
 
 impl<'a> Locator<'a> {
-    /// For these floors.
+    /// For the cameras of a rig on these floors.
     ///
     /// # Errors
-    /// [`NoPlan`] if one has no plan to refine poses on, as plain site maps have none.
-    pub fn new(storeys: &[SiteFloor<'a>]) -> Result<Self, NoPlan> {
-        let mut layers = Vec::new();
-        for (floor_number, storey) in (0..).zip(storeys) {
-            let floor = storey.floor.ok_or(NoPlan)?;
-            for layer in 0..floor.layers() as u8 {
-                let plan = floor.plan(usize::from(layer)).ok_or(NoPlan)?;
-                layers.push(FloorLayer { map: storey.map, number: layer, plan, floor: floor_number });
-            }
-        }
-        Ok(Self {
-            layers,
-            ranges: Box::new(RangeLikelihoods::EMPTY),
-            table: Box::new(EvidenceTable::EMPTY),
-            rows: Box::new(Rows::BLANK),
-            pool: vec![ScoredPose::NONE; POOL],
-        })
+    /// [`NoPlan`] if a floor has no plan to refine poses on, as plain site maps have none.
+    ///
+    /// # Panics
+    /// Never: the memory is made for the rig, and the layers of a site fit.
+    pub fn new(floors: &[SiteFloor<'a>], rig: Rig, settings: Settings) -> Result<Self, NoPlan> {
+        let mut locator = Self::without_site(rig, settings);
+        locator.add(floors)?;
+        Ok(locator)
     }
 
-    /// The layers in the order that [`ScoredPose::layer`] counts them.
+    /// For the cameras of a rig, to look around with.
+    ///
+    /// # Panics
+    /// Never: the memory is made for the rig.
+    #[must_use]
+    pub fn without_site(rig: Rig, settings: Settings) -> Self {
+        let memory = vec![0; settings.memory_words_of(&rig)];
+        let inner = locator::Locator::without_site(rig, settings, memory).expect("the memory is made for it");
+        Self(inner.with_trace(Watch::default()))
+    }
+
+    /// To search what was seen before on these floors.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    ///
+    /// # Panics
+    /// Never: the memory is made for the settings, and the layers of a site fit.
+    pub fn without_rig(floors: &[SiteFloor<'a>], settings: Settings) -> Result<Self, NoPlan> {
+        let memory = vec![0; settings.memory_words(0, 0)];
+        let inner = locator::Locator::without_rig(settings, memory).expect("the memory is made for it");
+        let mut locator = Self(inner.with_trace(Watch::default()));
+        locator.add(floors)?;
+        Ok(locator)
+    }
+
+    fn add(&mut self, floors: &[SiteFloor<'a>]) -> Result<(), NoPlan> {
+        for floor in floors {
+            let floor = floor.floor.ok_or(NoPlan)?;
+            self.0.add_layers(&floor).expect("a site has no more layers than that");
+        }
+        Ok(())
+    }
+
+    /// The cameras.
+    #[must_use]
+    pub const fn rig(&self) -> &Rig {
+        self.0.rig()
+    }
+
+    /// Size of the panorama's cells.
+    #[must_use]
+    pub const fn resolution(&self) -> Resolution {
+        self.0.resolution()
+    }
+
+    /// Largest angle between a segment and the vertical that it points to, degrees.
+    #[must_use]
+    pub fn inlier_tolerance_deg(&self) -> f32 {
+        self.0.inlier_tolerance_deg()
+    }
+
+    /// The layers in the order that [`ScoredPose::layer`](compass_core::ScoredPose::layer) counts them.
     #[must_use]
     pub fn layers(&self) -> &[FloorLayer<'a>] {
-        &self.layers
+        self.0.layers()
     }
 
-    /// Finds the pose that explains best what was seen, with what is known of the room.
-    pub fn locate(
-        &mut self,
-        survey: &BoundaryEvidence<'_>,
-        room: HeightPrior,
-        sighting: &WindowEvidence,
-    ) -> Fix {
-        let Self { layers, ranges, table, rows, pool } = self;
-        let mut work = Work { ranges, table, rows, pool, effort: Effort::FULL };
-        locate(survey, room, sighting, layers, &mut work)
+    /// What the stages took, and what they considered.
+    pub const fn watch(&mut self) -> &mut Watch {
+        self.0.trace_mut()
     }
 
-    /// Fills the [table](Self::table) with what was seen, for heights of camera and ceiling in rungs.
-    pub fn weigh(
-        &mut self,
-        survey: &BoundaryEvidence<'_>,
-        [height, ceiling]: [i8; 2],
-        sighting: &WindowEvidence,
-    ) {
-        survey.ranges(ceiling, &mut self.ranges);
-        weigh(&self.ranges, height, sighting, &mut self.table);
+    /// Finds the segments of the frames of cam0 and cam1: those of the rig's cameras, and no others.
+    ///
+    /// # Errors
+    /// [`SeeError::Frames`].
+    pub fn segment<'l, 'f>(
+        &'l mut self,
+        frames: [Option<&'f Frame>; 2],
+    ) -> Result<Segmented<'l, 'f, 'a>, SeeError> {
+        Ok(segment(&mut self.0, &frames.map(|frame| frame.map(lent)))?)
     }
 
-    /// The evidence of the last look.
-    #[must_use]
-    pub fn table(&self) -> &EvidenceTable {
-        &self.table
+    /// The stage after all that was seen, from evidence that was kept of it.
+    pub fn recall<'l>(
+        &'l mut self,
+        boundaries: &BoundaryEvidence<'_>,
+        windows: &WindowEvidence,
+    ) -> Seen<'l, 'a> {
+        self.0.recall(boundaries, windows)
     }
 
-    /// Finds the pose that explains some evidence best, which `fill` writes into the table.
+    /// Finds the poses that explain some evidence best, which `fill` writes into an empty table.
     pub fn explain(&mut self, fill: impl FnOnce(&mut EvidenceTable)) -> Answer {
-        let Self { layers, table, rows, pool, .. } = self;
-        fill(table);
-        rows.set(table);
-        let found = search(rows, layers, |_, _| true, pool);
-        let wanted = found.min(Effort::FULL.modes);
-        let mut modes: Vec<ScoredPose> = Vec::with_capacity(wanted);
-        for mode in &pool[..wanted] {
-            modes.extend(layers.get(usize::from(mode.layer)).map(|layer| refine(table, layer, *mode)));
+        self.0.explain(fill)
+    }
+}
+
+/// The frame as the core takes it: red safety gear is left out where there are colours.
+fn lent(frame: &Frame) -> locator::Frame<'_> {
+    let colours = frame.rgb().and_then(|rgb| RgbImage::new(rgb, frame.width(), frame.height()).ok());
+    let excluded = colours.map_or(ExclusionMask::Unknown, ExclusionMask::Colours);
+    locator::Frame { gray: frame.gray(), excluded }
+}
+
+wide! {
+    fn segment<'l, 'f, 'a>(
+        locator: &'l mut Inner<'a>,
+        frames: &Frames<'f>,
+    ) -> Result<Segmented<'l, 'f, 'a>, LocateError> {
+        locator.segment(frames)
+    }
+
+    /// [`Levelled::see`](locator::Levelled::see) with the widest vectors that this machine has; the result is the same.
+    pub fn see<'l, 'f, 'a>(levelled: Levelled<'l, 'f, 'a>) -> Seen<'l, 'a> {
+        levelled.see()
+    }
+
+    /// [`Segmented::sky_is_above`](locator::Segmented::sky_is_above) likewise.
+    pub(crate) fn sky_is_above<'l, 'f, 'a>(
+        segmented: &mut Segmented<'l, 'f, 'a>,
+        up: &Bearing,
+    ) -> Result<Option<bool>, LocateError> {
+        segmented.sky_is_above(up)
+    }
+}
+
+/// What the stages took, and on demand what they considered.
+#[derive(Debug, Default)]
+pub struct Watch {
+    started: Option<Instant>,
+    milliseconds: [Option<f64>; STAGES.len()],
+    /// Whether to keep what the windows were chosen among: for pictures.
+    pub keeps_considered: bool,
+    considered: Option<Considered>,
+}
+
+/// Stages by name, in their order.
+const STAGES: [&str; 6] = ["segments", "up", "windows", "ranges", "locate", "track"];
+
+const fn index(stage: Stage) -> usize {
+    match stage {
+        Stage::Segments(_) => 0,
+        Stage::Up => 1,
+        Stage::Windows => 2,
+        Stage::Boundaries => 3,
+        Stage::Locate => 4,
+        Stage::Track => 5,
+    }
+}
+
+/// What the windows of a pair of frames were chosen among.
+#[derive(Debug, Clone)]
+pub struct Considered {
+    /// Brightness ranks of the panorama, row by row from the top, 0 where nothing is known.
+    pub panorama: Vec<u8>,
+    /// Size of its cells.
+    pub resolution: Resolution,
+    /// Pairs of edges that were scored.
+    pub boxes: Vec<WindowBox>,
+    /// The edges that those boxes lie between, but for where the view ends.
+    pub edges: Vec<Edge>,
+}
+
+impl Watch {
+    /// Milliseconds by stage since this was last asked.
+    #[must_use]
+    pub fn milliseconds(&mut self) -> BTreeMap<&'static str, f64> {
+        let taken = std::mem::take(&mut self.milliseconds);
+        STAGES.into_iter().zip(taken).filter_map(|(stage, ms)| Some((stage, ms?))).collect()
+    }
+
+    /// What the windows of the last frames were chosen among, if that was to be kept.
+    #[must_use]
+    pub fn considered(&mut self) -> Option<Considered> {
+        self.considered.take()
+    }
+}
+
+impl Trace for Watch {
+    const INLINED: bool = true;
+
+    fn begin(&mut self, _: Stage) {
+        self.started = Some(Instant::now());
+    }
+
+    fn end(&mut self, stage: Stage, picture: Picture<'_>) {
+        let taken = self.started.take().map_or(0.0, |started| started.elapsed().as_secs_f64() * 1e3);
+        *self.milliseconds[index(stage)].get_or_insert(0.0) += taken;
+        if let Picture::Windows { panorama, resolution, vertical_segments, boxes, .. } = picture
+            && self.keeps_considered
+        {
+            let (columns, rows) = (resolution.columns(), resolution.rows());
+            let mut edges = Vec::new();
+            visit_edges(&mut vertical_segments.to_vec(), resolution, |edge| edges.push(*edge));
+            self.considered = Some(Considered {
+                panorama: (0..columns * rows).map(|i| panorama[i % columns * rows + i / columns]).collect(),
+                resolution,
+                boxes: boxes.to_vec(),
+                edges,
+            });
         }
-        answer(layers, &mut modes)
     }
 }

@@ -1,14 +1,50 @@
 //! Which way is up, by the image, by an accelerometer, or by both.
 
 use crate::dataset::imu::Gravity;
-use crate::eyes::{Eyes, EyesError, Mount};
-use crate::frame::Frame;
+use crate::locator::{SeeError, Segmented, sky_is_above};
 use compass_core::vision::attitude::{UpHint, Vertical};
 use compass_core::vision::camera::Bearing;
 use serde::{Deserialize, Serialize};
 
 /// Largest angle between the up vectors of image and IMU that are both right, degrees.
 const AGREEING_DEG: f64 = 10.0;
+
+/// How cam0 is mounted: which side of its image is up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Mount {
+    /// Told from the windows: the sky is brighter than the ground.
+    #[default]
+    Auto,
+    /// The top.
+    Upright,
+    /// The bottom.
+    Inverted,
+}
+
+impl Mount {
+    /// Roughly up in the axes of cam0, unless it is to be told from the windows.
+    #[must_use]
+    pub fn top(self) -> Option<Bearing> {
+        let top = Bearing::new(0.0, -1.0, 0.0);
+        match self {
+            Self::Auto => None,
+            Self::Upright => Some(top),
+            Self::Inverted => Some(-top),
+        }
+    }
+
+    /// The vertical of frames, near the vertical of cam0's image.
+    ///
+    /// # Errors
+    /// [`SeeError::NoVertical`] if too few segments agree; [`SeeError::NoSky`].
+    pub fn vertical(self, segmented: &mut Segmented<'_, '_, '_>) -> Result<Vertical, SeeError> {
+        let mut vertical = segmented.vertical(self.top().map_or(UpHint::Axis(-Bearing::y()), UpHint::Up))?;
+        if self == Self::Auto && !sky_is_above(segmented, &vertical.up)?.ok_or(SeeError::NoSky)? {
+            vertical.up = -vertical.up;
+        }
+        Ok(vertical)
+    }
+}
 
 /// What tells up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Serialize, Deserialize)]
@@ -56,35 +92,31 @@ impl UpSources {
         }
     }
 
-    /// The up vector in cam0 for frames whose segments were just detected, and what it is from.
+    /// The up vector in cam0 of frames, and what it is from.
     ///
     /// # Errors
-    /// [`EyesError::Disagreement`] of image and IMU; where the image alone counts, as [`Eyes::vertical`].
-    pub fn resolve(
-        &self,
-        eyes: &mut Eyes,
-        frames: [Option<&Frame>; 2],
-    ) -> Result<(Bearing, UpFrom), EyesError> {
+    /// [`SeeError::Disagreement`] of image and IMU; where the image alone counts, as [`Mount::vertical`].
+    pub fn resolve(&self, segmented: &mut Segmented<'_, '_, '_>) -> Result<(Bearing, UpFrom), SeeError> {
         match (self.from, self.imu) {
             (UpFrom::Imu, Some(gravity)) => Ok((gravity.up.cast(), UpFrom::Imu)),
-            (UpFrom::Both, Some(gravity)) => match self.vertical(eyes, frames) {
+            (UpFrom::Both, Some(gravity)) => match self.vertical(segmented) {
                 Ok(vertical) => self.check(&vertical).map(|()| (vertical.up, UpFrom::Both)),
                 // Where nothing upright is in view, gravity still is.
-                Err(EyesError::NoVertical) => Ok((gravity.up.cast(), UpFrom::Imu)),
+                Err(SeeError::NoVertical) => Ok((gravity.up.cast(), UpFrom::Imu)),
                 Err(error) => Err(error),
             },
-            _ => Ok((self.vertical(eyes, frames)?.up, UpFrom::Image)),
+            _ => Ok((self.vertical(segmented)?.up, UpFrom::Image)),
         }
     }
 
     /// What the image says, near where the IMU does if it is asked.
     ///
     /// # Errors
-    /// As [`Eyes::vertical`].
-    pub fn vertical(&self, eyes: &mut Eyes, frames: [Option<&Frame>; 2]) -> Result<Vertical, EyesError> {
+    /// As [`Mount::vertical`].
+    pub fn vertical(&self, segmented: &mut Segmented<'_, '_, '_>) -> Result<Vertical, SeeError> {
         match (self.from, self.imu) {
-            (UpFrom::Imu | UpFrom::Both, Some(gravity)) => near(eyes, gravity.up.cast()),
-            _ => eyes.vertical(frames, self.mount),
+            (UpFrom::Imu | UpFrom::Both, Some(gravity)) => near(segmented, gravity.up.cast()),
+            _ => self.mount.vertical(segmented),
         }
     }
 
@@ -99,19 +131,19 @@ impl UpSources {
     /// Refuses an up vector that image and IMU disagree on, where both are asked.
     ///
     /// # Errors
-    /// [`EyesError::Disagreement`].
-    pub fn check(&self, vertical: &Vertical) -> Result<(), EyesError> {
+    /// [`SeeError::Disagreement`].
+    pub fn check(&self, vertical: &Vertical) -> Result<(), SeeError> {
         let apart =
             self.apart_deg(vertical).filter(|apart| self.from == UpFrom::Both && *apart > AGREEING_DEG);
-        apart.map_or(Ok(()), |apart| Err(EyesError::Disagreement(apart)))
+        apart.map_or(Ok(()), |apart| Err(SeeError::Disagreement(apart)))
     }
 }
 
 /// The vertical that the image has near this direction, or if there is none, near its own top or bottom: so that an IMU
 /// that is wrong by much is found out.
-fn near(eyes: &mut Eyes, up: Bearing) -> Result<Vertical, EyesError> {
-    eyes.vertical_near(UpHint::Up(up)).or_else(|_| {
-        let mut vertical = eyes.vertical_near(UpHint::Axis(Bearing::y()))?;
+fn near(segmented: &mut Segmented<'_, '_, '_>, up: Bearing) -> Result<Vertical, SeeError> {
+    segmented.vertical(UpHint::Up(up)).map_err(SeeError::from).or_else(|_| {
+        let mut vertical = segmented.vertical(UpHint::Axis(Bearing::y()))?;
         if vertical.up.dot(&up) < 0.0 {
             vertical.up = -vertical.up;
         }

@@ -1,5 +1,7 @@
 //! What both cameras see, in metres: range, hit type and how sure they are, by direction.
 
+use crate::locator::Seen;
+use compass_core::HeightPrior;
 use compass_core::base::confidence::Confidence;
 use compass_core::base::ladder::{HEIGHTS_M, height_m, height_rungs};
 use compass_core::base::num::BINS;
@@ -59,6 +61,14 @@ pub struct VisualDescriptor {
 }
 
 impl VisualDescriptor {
+    /// Of what was seen in one pair of frames.
+    #[must_use]
+    pub fn of(seen: &mut Seen<'_, '_>, known: HeightPrior) -> Self {
+        let windows = seen.window_evidence().clone();
+        let ranges = seen.range_likelihoods(known).unwrap_or(&RangeLikelihoods::EMPTY);
+        Self::new(ranges, &windows, known.camera_m())
+    }
+
     /// From what was measured and seen in one pair of frames; `height_m` is that of cam0 above the floor, if known.
     #[must_use]
     pub fn new(ranges: &RangeLikelihoods, sighting: &WindowEvidence, height_m: Option<f32>) -> Self {

@@ -1,10 +1,12 @@
 //! The eyes allocate nothing per frame: after a first pair of frames all buffers are there.
 
+use compass_core::Settings;
 use compass_core::vision::camera::Bearing;
 use compass_host::calibration::Calibration;
 use compass_host::dataset::tum::Pose;
-use compass_host::eyes::{Eyes, Mount};
 use compass_host::frame::Frame;
+use compass_host::locator::{Locator, see};
+use compass_host::up::Mount;
 use compass_tests::sample_frames;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -75,19 +77,21 @@ fn frames_are_seen_without_allocation() {
             |pose: &Pose| sample_frames(pose, size).map(|image| Frame::from_rgb(image).expect("good sides"));
         let poses = [pose(0.0, 187.0), pose(110.0, 172.0)];
         let pairs = poses.each_ref().map(load);
-        let mut eyes = Eyes::new(Calibration::nominal().rig([Some(size); 2]).unwrap());
+        let calibration = Calibration::nominal();
+        let rig = |sizes| calibration.rig(sizes).unwrap();
+        let mut locator = Locator::without_site(rig([Some(size); 2]), Settings::FULL);
         let mut found = 0;
         let mut look = |pair: &[Frame; 2], mount: Mount| {
             let frames = pair.each_ref().map(Some);
-            let (detect, detected) = requests(|| eyes.detect(frames));
-            detected.unwrap();
-            let (vertical, up) = requests(|| eyes.vertical(frames, mount));
+            let (segments, segmented) = requests(|| locator.segment(frames).unwrap());
+            let mut segmented = segmented;
+            let (vertical, up) = requests(|| mount.vertical(&mut segmented));
             // Where no window tells up from down, the work was done as well.
             let up = up.map_or(Bearing::new(0.0, 1.0, 0.0), |vertical| vertical.up);
-            let (windows, seen) = requests(|| eyes.windows(frames, &up).map(|seen| seen.windows.len()));
-            println!("{size:?} {mount:?}: {detect}, {vertical} and {windows} requests; {seen:?} windows");
-            found += seen.unwrap();
-            [detect, vertical, windows]
+            let (windows, seen) = requests(|| see(segmented.level(&up).unwrap()).windows().len());
+            println!("{size:?} {mount:?}: {segments}, {vertical} and {windows} requests; {seen} windows");
+            found += seen;
+            [segments, vertical, windows]
         };
         let _ = look(&pairs[0], Mount::Inverted);
         for (pair, mount) in
@@ -96,12 +100,13 @@ fn frames_are_seen_without_allocation() {
             assert_eq!(look(pair, mount), [0; 3], "{size:?} {mount:?}");
         }
         assert!(found > 0, "the work was done");
-        // One frame of the pair is missing.
+        // One camera alone.
         let alone = [None, Some(&pairs[1][1])];
+        let mut locator = Locator::without_site(rig([None, Some(size)]), Settings::FULL);
         let (count, ()) = requests(|| {
-            eyes.detect(alone).unwrap();
-            let up = eyes.vertical(alone, Mount::Inverted).unwrap().up;
-            eyes.windows(alone, &up).map(drop).unwrap();
+            let mut segmented = locator.segment(alone).unwrap();
+            let up = Mount::Inverted.vertical(&mut segmented).unwrap().up;
+            see(segmented.level(&up).unwrap());
         });
         assert_eq!(count, 0);
     }

@@ -16,10 +16,11 @@ use compass_core::pose::Rows;
 use compass_core::pose::evidence::{EvidenceTable, weigh};
 use compass_core::vision::camera::Bearing;
 use compass_core::vision::windows::WindowEvidence;
+use compass_core::{HeightPrior, Settings};
 use compass_host::calibration::Calibration;
 use compass_host::dataset::tum::{self, Pose};
-use compass_host::eyes::Eyes;
 use compass_host::frame::Frame;
+use compass_host::locator::{Locator, see};
 use compass_host::plan_import::structure::{DEFAULT_THICKNESS_M, keep_structure};
 use compass_host::plan_import::{self, PlanOptions};
 use compass_host::site::PackedPlan;
@@ -74,7 +75,7 @@ fn looks(data: &Path) -> Vec<Look> {
     let poses = tum::read(&rendered.join("groundtruth.txt")).unwrap();
     let calibration = Calibration::load(&data.join("hilti/config/kalibr_imucam_chain.yaml")).unwrap();
     let layers = layers(data);
-    let mut eyes: Option<Eyes> = None;
+    let mut locator: Option<Locator<'_>> = None;
     let look = |pose: &Pose| {
         let read = |camera: &str| {
             let name = format!("{}.jpg", pose.timestamp_ns);
@@ -82,15 +83,15 @@ fn looks(data: &Path) -> Vec<Look> {
         };
         let pair = ["cam0", "cam1"].map(read);
         let frames = pair.each_ref().map(Some);
-        let eyes = eyes.get_or_insert_with(|| {
+        let locator = locator.get_or_insert_with(|| {
             let sizes = pair.each_ref().map(|frame| Some((frame.width(), frame.height())));
-            Eyes::new(calibration.rig(sizes).unwrap())
+            Locator::without_site(calibration.rig(sizes).unwrap(), Settings::FULL)
         });
         let up: Bearing = pose.up_in_camera().cast();
         let height_m = pose.position.z as f32;
-        eyes.detect(frames).unwrap();
-        let sighting = eyes.windows(frames, &up).unwrap().sighting;
-        let ranges = eyes.ranges(frames, &up, Some(height_m)).unwrap();
+        let mut shown = see(locator.segment(frames).unwrap().level(&up).unwrap());
+        let sighting = shown.window_evidence().clone();
+        let ranges = shown.range_likelihoods(HeightPrior::camera(height_m)).unwrap();
         let mut evidence = Box::new(EvidenceTable::EMPTY);
         weigh(ranges, height_rungs(height_m), &sighting, &mut evidence);
         let seen = VisualDescriptor::new(ranges, &sighting, Some(height_m));

@@ -9,9 +9,10 @@ use compass_core::map::site_map::SiteMap;
 use compass_host::calibration::Calibration;
 use compass_host::dataset::tum::Pose;
 use compass_host::frame::Frame;
+use compass_host::output::Bytes;
 use compass_host::sample::FRAME_POSE;
 use compass_host::simulate::{Scene, SceneOptions, render};
-use compass_host::site::{BuildOptions, Bytes, build};
+use compass_host::site::{BuildOptions, build};
 use compass_tests::sample_plan;
 use std::path::Path;
 

@@ -31,10 +31,12 @@ pub use trace::{Picture, Stage, Trace};
 use crate::base::num::BINS;
 use crate::base::raster::GrayImage;
 use crate::map::plan::Plan;
-use crate::map::site::Site;
+use crate::map::site::{Floor, MAX_FLOORS, Site};
 use crate::map::site_map::SiteMap;
+use crate::pose::evidence::EvidenceTable;
 use crate::pose::heights::HeightPrior;
-use crate::pose::{Fix, FloorLayer};
+use crate::pose::locate::explain;
+use crate::pose::{Answer, Fix, FloorLayer};
 use crate::vision::attitude::UpHint;
 use crate::vision::boundary::BoundaryEvidence;
 use crate::vision::camera::{Rig, View};
@@ -42,6 +44,9 @@ use crate::vision::panorama::Resolution;
 use crate::vision::sample::ExclusionMask;
 use crate::vision::windows::WindowEvidence;
 use heapless::Vec;
+
+/// Most layers of a site: two for each floor.
+pub const LAYERS_OF_A_SITE: usize = 2 * MAX_FLOORS;
 
 /// The cameras of a rig.
 pub const CAMERAS: usize = 2;
@@ -114,6 +119,14 @@ impl<'a, M: AsRef<[u32]> + AsMut<[u32]>, const LAYERS: usize> Locator<'a, M, (),
         Ok(locator)
     }
 
+    /// To search what was [seen before](Self::recall).
+    ///
+    /// # Errors
+    /// [`Error::Memory`] says how much is missing.
+    pub fn without_rig(settings: Settings, memory: M) -> Result<Self, Error> {
+        Self::without_site(Rig::NONE, settings, memory)
+    }
+
     /// For the cameras of a rig, to look around with; layers may be added.
     ///
     /// # Errors
@@ -132,21 +145,26 @@ impl<'a, M, T, const LAYERS: usize> Locator<'a, M, T, LAYERS> {
     /// [`Error::Layers`].
     pub fn add_site(&mut self, site: &Site<'a>) -> Result<(), Error> {
         let before = self.layers.len();
-        let first = self.floors();
-        for (number, floor) in (0..).zip(site.floors()) {
-            for layer in 0..floor.layers() {
-                let Some(plan) = floor.plan(layer) else { continue };
-                let new = FloorLayer {
-                    map: *floor.map(),
-                    number: layer as u8,
-                    plan,
-                    floor: first + number,
-                    name: floor.name(),
-                };
-                if self.layers.push(new).is_err() {
-                    self.layers.truncate(before);
-                    return Err(Error::Layers { most: LAYERS });
-                }
+        let added = site.floors().try_for_each(|floor| self.add_layers(&floor));
+        if added.is_err() {
+            self.layers.truncate(before);
+        }
+        added
+    }
+
+    /// Adds the layers of a floor behind those that are there: all or none.
+    ///
+    /// # Errors
+    /// [`Error::Layers`].
+    pub fn add_layers(&mut self, floor: &Floor<'a>) -> Result<(), Error> {
+        let (before, number) = (self.layers.len(), self.floors());
+        for layer in 0..floor.layers() {
+            let Some(plan) = floor.plan(layer) else { continue };
+            let (map, name) = (*floor.map(), floor.name());
+            let layer = FloorLayer { map, number: layer as u8, plan, floor: number, name };
+            if self.layers.push(layer).is_err() {
+                self.layers.truncate(before);
+                return Err(Error::Layers { most: LAYERS });
             }
         }
         Ok(())
@@ -187,6 +205,12 @@ impl<'a, M, T, const LAYERS: usize> Locator<'a, M, T, LAYERS> {
     #[must_use]
     pub const fn resolution(&self) -> Resolution {
         self.resolution
+    }
+
+    /// Largest angle between a segment and the vertical that it points to, degrees.
+    #[must_use]
+    pub fn inlier_tolerance_deg(&self) -> f32 {
+        self.settings.tolerance_deg(self.resolution)
     }
 
     /// The sink of what the stages find.
@@ -246,6 +270,19 @@ impl<'a, M: AsRef<[u32]> + AsMut<[u32]>, T: Trace, const LAYERS: usize> Locator<
             search.support.iter_mut().zip(boundaries.cells()).for_each(|(cell, kept)| *cell = *kept);
         }
         Seen::new(self)
+    }
+
+    /// The poses that explain some evidence best, which `fill` writes into an empty table: for evidence from elsewhere.
+    pub fn explain(&mut self, fill: impl FnOnce(&mut EvidenceTable)) -> Answer {
+        let Some(search) = self.memory_map().search(self.memory.as_mut()) else { return Answer::nothing() };
+        *search.table = EvidenceTable::EMPTY;
+        fill(search.table);
+        explain(
+            search.table,
+            &self.layers,
+            (self.settings.headings, search.rows, search.pool),
+            self.settings.effort,
+        )
     }
 
     fn memory_map(&self) -> memory::Layout {

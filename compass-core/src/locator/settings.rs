@@ -94,6 +94,12 @@ impl Settings {
         Layout::new(self, [[width, height]; CAMERAS]).words()
     }
 
+    /// Words of memory that a rig takes.
+    #[must_use]
+    pub fn memory_words_of(&self, rig: &Rig) -> usize {
+        self.layout(rig).words()
+    }
+
     /// The work of the search.
     pub(super) const fn effort(&self, is_height_known: bool) -> Effort {
         if is_height_known { self.effort_at_known_height } else { self.effort }

@@ -3,7 +3,7 @@
 use super::evidence::{EvidenceTable, weigh};
 use super::heights::{HeightPrior, Heights};
 use super::{
-    Answer, Fix, FloorLayer, Headings, PoolEntry, ScoredPose, answer, refine_coarse, refine_final,
+    Answer, Fix, FloorLayer, Headings, PoolEntry, ScoredPose, answer, refine, refine_coarse, refine_final,
     refine_fine,
 };
 use crate::base::num::{Metres, Turn};
@@ -111,6 +111,24 @@ pub fn locate<'a>(
         }
     }
     best
+}
+
+/// The poses that explain some evidence best, by a search at these headings in this memory, refined.
+pub(crate) fn explain(
+    table: &EvidenceTable,
+    layers: &[FloorLayer<'_>],
+    (headings, rows, pool): (Headings, &mut [u32], &mut [PoolEntry]),
+    effort: Effort,
+) -> Answer {
+    let count = headings.search(table, rows, layers, pool);
+    let mut poses: Vec<ScoredPose, MAX_MODES> = Vec::new();
+    for pose in pool.iter().take(count.min(effort.modes)).filter_map(|entry| entry.pose(layers)) {
+        if let Some(layer) = layers.get(usize::from(pose.layer)) {
+            // Of more than there is room for the first count.
+            let _ = poses.push(refine(table, layer, pose));
+        }
+    }
+    answer(layers, &mut poses)
 }
 
 /// The poses that explain best what was seen, with one ceiling, and the height of the camera, of which every `step`-th is

@@ -3,12 +3,13 @@
 use super::plan::{finite, pair};
 use super::up::{MountOption, UpFromOption};
 use anyhow::{Result, bail};
+use compass_core::HeightPrior;
 use compass_core::base::ladder::HEIGHTS_M;
 use compass_core::vision::camera::{Bearing, Rig};
 use compass_host::calibration::Calibration;
 use compass_host::dataset::imu::{Gravity, Readings};
-use compass_host::eyes::{Eyes, EyesError};
 use compass_host::frame::Frame;
+use compass_host::locator::{SeeError, Segmented};
 use compass_host::up::{UpFrom, UpSources};
 use std::path::PathBuf;
 
@@ -46,9 +47,9 @@ pub(super) struct UpArg {
 }
 
 impl UpArg {
-    /// The up vector in cam0: that given, or that of the frames whose segments were just detected.
-    pub(super) fn resolve(&self, eyes: &mut Eyes, frames: [Option<&Frame>; 2]) -> Result<Bearing, EyesError> {
-        self.with(UpFrom::Image, None).resolve(eyes, frames)
+    /// The up vector in cam0: that given, or that of the frames.
+    pub(super) fn resolve(&self, segmented: &mut Segmented<'_, '_, '_>) -> Result<Bearing, SeeError> {
+        self.with(UpFrom::Image, None).resolve(segmented)
     }
 
     /// The up vector as it is given, or from the image or what else there is.
@@ -113,9 +114,9 @@ impl Up {
         self.given.or_else(|| self.sources.hint())
     }
 
-    /// The up vector in cam0: that given, that of the IMU, or that of the frames whose segments were just detected.
-    pub(super) fn resolve(&self, eyes: &mut Eyes, frames: [Option<&Frame>; 2]) -> Result<Bearing, EyesError> {
-        self.given.map_or_else(|| Ok(self.sources.resolve(eyes, frames)?.0), Ok)
+    /// The up vector in cam0: that given, that of the IMU, or that of the frames.
+    pub(super) fn resolve(&self, segmented: &mut Segmented<'_, '_, '_>) -> Result<Bearing, SeeError> {
+        self.given.map_or_else(|| Ok(self.sources.resolve(segmented)?.0), Ok)
     }
 }
 
@@ -138,15 +139,22 @@ impl Taken {
     }
 }
 
-/// Frames, and the eyes for them.
+/// Frames, and the rig that took them.
 pub(super) struct Cameras {
     pub(super) frames: [Option<Frame>; 2],
-    pub(super) eyes: Eyes,
+    pub(super) rig: Rig,
     pub(super) up: Up,
     /// Height of cam0 above the floor in metres, where it is known.
     pub(super) height_m: Option<f32>,
     /// The files of the frames, for messages.
     pub(super) name: String,
+}
+
+impl Cameras {
+    /// What is known of the heights.
+    pub(super) fn heights(&self) -> HeightPrior {
+        self.height_m.map_or(HeightPrior::UNKNOWN, HeightPrior::camera)
+    }
 }
 
 impl CameraArgs {
@@ -170,12 +178,12 @@ impl CameraArgs {
         Ok(Taken { calibration, frames: [cam0?, cam1?], up, height_m, name })
     }
 
-    /// Reads the calibration and the frames, and makes eyes for them.
+    /// Reads the calibration and the frames, and makes a rig for them.
     pub(super) fn load(&self) -> Result<Cameras> {
         let taken = self.read()?;
-        let eyes = Eyes::new(taken.rig()?);
+        let rig = taken.rig()?;
         let Taken { frames, up, height_m, name, .. } = taken;
-        Ok(Cameras { frames, eyes, up, height_m, name })
+        Ok(Cameras { frames, rig, up, height_m, name })
     }
 }
 

@@ -5,11 +5,13 @@ use super::cameras::CameraArgs;
 use super::plan::{PlanArgs, finite, pair};
 use crate::cli::json::JsonOption;
 use anyhow::{Context as _, Result};
+use compass_core::Settings;
 use compass_core::base::num::BINS;
 use compass_core::base::scan::{Hit, Scan};
 use compass_core::vision::windows::WindowEvidence;
 use compass_host::cross_modal::CrossModal;
 use compass_host::figures::{self, Curve, HitComparison, Shifts};
+use compass_host::locator::{Locator, SeeError, see};
 use compass_host::output::{Decimal, create_dir};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -73,17 +75,19 @@ impl Scores {
 
 impl CompareHits {
     pub(super) fn run(&self) -> Result<Outcome> {
-        let mut cameras = self.cameras.load()?;
+        let cameras = self.cameras.load()?;
         let (_, plan) = self.plan.load()?;
         let name = || self.plan.path().map_or_else(String::new, |p| p.display().to_string());
         let scan = plan.scan(self.at, self.heading).with_context(name)?;
         let frames = cameras.frames.each_ref().map(Option::as_ref);
-        cameras.eyes.detect(frames)?;
-        let up = cameras.up.resolve(&mut cameras.eyes, frames).with_context(|| cameras.name.clone())?;
-        let seen = cameras.eyes.windows(frames, &up).with_context(|| cameras.name.clone())?;
-        let of_camera = |camera| seen.windows.iter().filter(|w| w.camera == camera).count();
-        let windows_per_camera = [0, 1].map(of_camera);
-        let WindowEvidence { hit, confidence, .. } = &seen.sighting;
+        let mut locator = Locator::without_site(cameras.rig, Settings::FULL);
+        let mut segmented = locator.segment(frames).with_context(|| cameras.name.clone())?;
+        let up = cameras.up.resolve(&mut segmented).with_context(|| cameras.name.clone())?;
+        let levelled = segmented.level(&up).map_err(SeeError::from).with_context(|| cameras.name.clone())?;
+        let mut seen = see(levelled);
+        let windows = seen.windows();
+        let windows_per_camera = [0, 1].map(|camera| windows.iter().filter(|w| w.camera == camera).count());
+        let WindowEvidence { hit, confidence, .. } = seen.window_evidence();
         let compared = CrossModal::new(hit, confidence, &scan);
         if let Some(dir) = &self.figures {
             draw(dir, hit, &scan, &compared)?;

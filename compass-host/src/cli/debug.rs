@@ -5,14 +5,14 @@ use compass_core::base::raster::GrayImage;
 use compass_core::base::scan::{STEPS_PER_METRE, Scan};
 use compass_core::descriptor::Descriptor;
 use compass_core::descriptor::windows::{ImageWindow, Rejection};
-use compass_core::vision::camera::{Pixel, View};
+use compass_core::vision::camera::{Pixel, Rig, View};
 use compass_core::vision::level_frame::{LevelFrame, NOMINAL_RANGE_M};
 use compass_core::vision::segments::Segment;
 use compass_core::vision::windows::{Window, WindowEvidence};
 use compass_host::compare::float_levels;
-use compass_host::eyes::Eyes;
 use compass_host::figures::{self, Layer, PanoramaPicture, RingPicture};
 use compass_host::frame::Frame;
+use compass_host::locator::Considered;
 use compass_host::output::create_dir;
 use compass_host::paper_finder::PaperFinder;
 use compass_host::visual_descriptor::VisualDescriptor;
@@ -34,12 +34,16 @@ const YELLOW: RGBColor = RGBColor(0xff, 0xd0, 0x00);
 /// What the finder in the level frame made of a pair of frames.
 pub(super) struct Found<'a> {
     pub(super) frames: [Option<&'a Frame>; 2],
-    pub(super) eyes: &'a Eyes,
+    pub(super) rig: &'a Rig,
+    /// Line segments of each frame.
+    pub(super) segments: [Vec<Segment>; 2],
+    /// What the windows were chosen among.
+    pub(super) considered: Considered,
     pub(super) level: LevelFrame,
     pub(super) windows: &'a [Window],
     pub(super) sighting: &'a WindowEvidence,
     /// What it comes to in metres, if that was measured.
-    pub(super) surroundings: Option<&'a VisualDescriptor>,
+    pub(super) descriptor: Option<&'a VisualDescriptor>,
     /// What the plan says, if there is one.
     pub(super) plan: Option<&'a Scan>,
 }
@@ -50,26 +54,24 @@ impl Found<'_> {
     pub(super) fn draw(&self, dir: &Path) -> Result<()> {
         create_dir(dir)?;
         for (camera, frame) in self.frames.iter().enumerate() {
-            let Some((frame, view)) = frame.zip(self.eyes.rig().view(camera)) else { continue };
+            let Some((frame, view)) = frame.zip(self.rig.view(camera)) else { continue };
             self.draw_segments(&dir.join(format!("cam{camera}_segments.png")), camera, frame, view)?;
             self.draw_windows(&dir.join(format!("cam{camera}_windows.png")), camera, frame, view)?;
         }
         let (hit, known) = (&self.sighting.hit, self.sighting.confidence.sixteenths().map(|c| c > 0));
-        let (edges, eyes) = (self.eyes.edges(), self.eyes);
-        let ring = eyes.ring();
-        let (columns, rows) = (eyes.resolution().columns(), eyes.resolution().rows());
+        let Considered { panorama, resolution, boxes, edges } = &self.considered;
         let picture = RingPicture {
-            ring: GrayImage::new(&ring, columns as u32, rows as u32)?,
-            resolution: eyes.resolution(),
+            ring: GrayImage::new(panorama, resolution.columns() as u32, resolution.rows() as u32)?,
+            resolution: *resolution,
             windows: self.windows,
-            boxes: eyes.boxes(),
-            edges: &edges,
+            boxes,
+            edges,
             hit,
             known: &known,
         };
         figures::draw_ring(&dir.join("ring.png"), &picture)?;
         figures::draw_seen(&dir.join("polar.png"), hit, &known, self.plan.map(|plan| &plan.hit))?;
-        if let Some(surroundings) = self.surroundings {
+        if let Some(surroundings) = self.descriptor {
             self.draw_panorama(&dir.join("panorama.png"), surroundings)?;
             self.draw_descriptors(&dir.join("descriptor.png"), surroundings)?;
         }
@@ -81,7 +83,7 @@ impl Found<'_> {
         path: &Path,
         VisualDescriptor { height, ranges, .. }: &VisualDescriptor,
     ) -> Result<()> {
-        let resolution = self.eyes.resolution();
+        let resolution = self.considered.resolution;
         let corners = |w: &Window| {
             [w.azimuth_deg(resolution), w.elevation_deg(resolution)].map(|pair| pair.map(f64::from))
         };
@@ -105,7 +107,7 @@ impl Found<'_> {
             let pixel = view.camera.project(&bearing)?;
             Some((bearing.z, self.frames[camera]?.colour(pixel)?))
         };
-        let nearest = self.eyes.rig().views().filter_map(seen_by).max_by(|a, b| a.0.total_cmp(&b.0));
+        let nearest = self.rig.views().filter_map(seen_by).max_by(|a, b| a.0.total_cmp(&b.0));
         nearest.map(|(_, colour)| colour)
     }
 
@@ -126,7 +128,7 @@ impl Found<'_> {
     fn draw_segments(&self, path: &Path, camera: usize, frame: &Frame, view: &View) -> Result<()> {
         let mut all = Layer::new("segments", GREEN, 2.0);
         let mut edges = Layer::new("of these at the sides of windows", RED, 4.0);
-        for segment in self.eyes.segments(camera) {
+        for segment in &self.segments[camera] {
             all.lines.push(line(segment));
             if self.windows.iter().any(|w| self.borders(segment, view, w)) {
                 edges.lines.push(line(segment));
@@ -148,7 +150,7 @@ impl Found<'_> {
         let (Some(a), Some(b)) = (end(segment.x1, segment.y1), end(segment.x2, segment.y2)) else {
             return false;
         };
-        let resolution = self.eyes.resolution();
+        let resolution = self.considered.resolution;
         let (sides, [sill, lintel]) = (window.azimuth_deg(resolution), window.elevation_deg(resolution));
         let lean = turned(b.0 - a.0);
         let middle = a.0 + lean / 2.0;
@@ -182,7 +184,7 @@ impl Found<'_> {
 
     /// The outline of a window in a camera's image, as far as the lens reaches.
     fn outline(&self, window: &Window, view: &View) -> Vec<[f64; 2]> {
-        let resolution = self.eyes.resolution();
+        let resolution = self.considered.resolution;
         let ([right, left], [sill, lintel]) =
             (window.azimuth_deg(resolution), window.elevation_deg(resolution));
         let corners = [[left, lintel], [right, lintel], [right, sill], [left, sill], [left, lintel]];

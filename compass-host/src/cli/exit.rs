@@ -1,6 +1,6 @@
 //! What a command came to, as the exit status of the process.
 
-use compass_host::eyes::EyesError;
+use compass_host::locator::SeeError;
 use std::process::ExitCode;
 
 /// What the work came to.
@@ -32,10 +32,10 @@ impl From<Outcome> for Status {
     }
 }
 
-impl From<&EyesError> for Status {
-    fn from(error: &EyesError) -> Self {
+impl From<&SeeError> for Status {
+    fn from(error: &SeeError) -> Self {
         match error {
-            EyesError::Disagreement(_) => Self::No,
+            SeeError::Disagreement(_) => Self::No,
             _ => Self::BadInput,
         }
     }
@@ -43,7 +43,7 @@ impl From<&EyesError> for Status {
 
 impl From<&anyhow::Error> for Status {
     fn from(error: &anyhow::Error) -> Self {
-        error.downcast_ref::<EyesError>().map_or(Self::BadInput, Self::from)
+        error.downcast_ref::<SeeError>().map_or(Self::BadInput, Self::from)
     }
 }
 
@@ -80,17 +80,17 @@ mod tests {
 
     #[test]
     fn every_result_has_its_status() {
-        let of = |error: EyesError| Status::from(&anyhow::Error::from(error).context("cam0.png"));
+        let of = |error: SeeError| Status::from(&anyhow::Error::from(error).context("cam0.png"));
         assert_eq!(Status::from(Outcome::Done) as u8, 0);
         assert_eq!(Status::from(Outcome::No) as u8, 1);
-        assert_eq!(of(EyesError::Disagreement(12.0)) as u8, 1);
-        assert_eq!(of(EyesError::NoVertical) as u8, 2);
+        assert_eq!(of(SeeError::Disagreement(12.0)) as u8, 1);
+        assert_eq!(of(SeeError::NoVertical) as u8, 2);
         assert_eq!(Status::from(&anyhow::anyhow!("no such file")) as u8, 2);
     }
 
     #[test]
     fn causes_are_not_repeated() {
-        let error: anyhow::Result<()> = Err(EyesError::NoSky).context("a.png");
+        let error: anyhow::Result<()> = Err(SeeError::NoSky).context("a.png");
         let text = one_line(&error.context("localize").unwrap_err());
         assert!(text.starts_with("localize: a.png: cannot tell up from down"), "{text}");
         let repeated = anyhow::anyhow!("gone").context("a.png: cannot be read: gone");

@@ -6,9 +6,11 @@ use super::Outcome;
 use super::cameras::{CameraArgs, Cameras};
 use crate::cli::json::JsonOption;
 use anyhow::{Context as _, Result, bail};
+use compass_core::Settings;
 use compass_core::vision::attitude::{Axes, Vertical};
 use compass_core::vision::camera::Bearing;
 use compass_core::vision::level_frame::LevelFrame;
+use compass_host::locator::Locator;
 use compass_host::output::{Decimal, decimals};
 use compass_host::up::UpFrom;
 use serde::Serialize;
@@ -97,14 +99,15 @@ impl From<&Vertical> for Image {
 
 impl Gravity {
     pub(super) fn run(&self) -> Result<Outcome> {
-        let mut cameras = self.cameras.load()?;
+        let cameras = self.cameras.load()?;
         if cameras.up.is_given() {
             bail!("--up gives what gravity is to find: use --mount to tell which side of the image is up");
         }
         let frames = cameras.frames.each_ref().map(Option::as_ref);
-        cameras.eyes.detect(frames)?;
+        let mut locator = Locator::without_site(cameras.rig, Settings::FULL);
+        let mut segmented = locator.segment(frames).with_context(|| cameras.name.clone())?;
         let start = std::time::Instant::now();
-        let found = cameras.up.sources.vertical(&mut cameras.eyes, frames);
+        let found = cameras.up.sources.vertical(&mut segmented);
         let milliseconds = Decimal(start.elapsed().as_secs_f64() * 1e3);
         let (vertical, up) = match (found, cameras.up.sources.from, cameras.up.sources.imu) {
             (found, UpFrom::Imu, Some(gravity)) => (found.ok(), gravity.up.cast()),
@@ -115,12 +118,15 @@ impl Gravity {
                 (Some(vertical), vertical.up)
             }
         };
-        let level = LevelFrame::new(&up);
-        let axes = level.as_ref().and_then(|level| Some((cameras.eyes.axes(level)?, level)));
-        let output = output(&cameras, up, vertical.as_ref(), axes, milliseconds);
+        let segments = [0, 1].map(|camera| segmented.segments(camera).to_vec());
+        // An up vector that leaves no heading has no axes.
+        let levelled = segmented.level(&up).ok();
+        let level = levelled.as_ref().map(|levelled| levelled.frame());
+        let axes = levelled.and_then(|mut levelled| levelled.axes());
+        let output = output(&cameras, up, vertical.as_ref(), axes.zip(level.as_ref()), milliseconds);
         if let (Some(dir), Some(level)) = (&self.debug_dir, &level) {
-            let Cameras { eyes, .. } = &cameras;
-            pictures::Lines { frames, eyes, level, axes: axes.map(|(axes, _)| axes) }.draw(dir)?;
+            let (rig, tolerance_deg) = (&cameras.rig, locator.inlier_tolerance_deg());
+            pictures::Lines { frames, rig, segments, tolerance_deg, level, axes }.draw(dir)?;
         }
         self.json.emit(&output, &summary(&output))?;
         vertical.map_or(Ok(()), |vertical| cameras.up.sources.check(&vertical))?;

@@ -1,23 +1,28 @@
 //! `compass see`: what the cameras see in every direction, as the descriptor that localization compares.
 
 use super::Outcome;
-use super::cameras::CameraArgs;
+use super::cameras::{CameraArgs, Cameras};
 use super::debug::Found;
 use super::plan::PoseOnPlan;
 use crate::cli::json::JsonOption;
 use anyhow::{Context as _, Result};
+use compass_core::Settings;
 use compass_core::descriptor::Descriptor;
 use compass_core::descriptor::windows::ImageWindow;
-use compass_core::vision::camera::{Pixel, View};
+use compass_core::vision::camera::{Pixel, Rig, View};
 use compass_core::vision::level_frame::{LevelFrame, NOMINAL_RANGE_M};
-use compass_core::vision::windows::{Window, image_box};
+use compass_core::vision::panorama::Resolution;
+use compass_core::vision::segments::Segment;
+use compass_core::vision::windows::{Window, WindowEvidence, image_box};
 use compass_host::compare::float_levels;
-use compass_host::eyes::{Eyes, EyesError};
+use compass_host::frame::Frame;
+use compass_host::locator::{Locator, SeeError, see};
 use compass_host::output::{Decimal, decimals};
 use compass_host::plan_descriptor::hit_name;
 use compass_host::site::wrapped;
 use compass_host::visual_descriptor::VisualDescriptor;
 use serde::Serialize;
+use std::collections::BTreeMap;
 use std::fmt;
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -52,13 +57,11 @@ pub(super) struct WindowOutput {
 }
 
 impl WindowOutput {
-    pub(super) fn new(window: &Window, eyes: &Eyes, level: &LevelFrame) -> Self {
-        let resolution = eyes.resolution();
+    pub(super) fn new(window: &Window, rig: &Rig, level: &LevelFrame, resolution: Resolution) -> Self {
         let degrees = |pair: [f32; 2]| pair.map(|v| Decimal(f64::from(v)));
         Self {
             camera: if window.camera == 0 { "cam0" } else { "cam1" },
-            pixels: image_box(window, eyes.rig(), level, resolution)
-                .map(|b| b.map(|v| Decimal(f64::from(v)))),
+            pixels: image_box(window, rig, level, resolution).map(|b| b.map(|v| Decimal(f64::from(v)))),
             azimuth_deg: degrees(window.azimuth_deg(resolution)),
             elevation_deg: degrees(window.elevation_deg(resolution)),
             score: Decimal(f64::from(window.score)),
@@ -141,35 +144,36 @@ struct Milliseconds {
 
 impl See {
     pub(super) fn run(&self) -> Result<Outcome> {
-        let mut cameras = self.cameras.load()?;
+        let cameras = self.cameras.load()?;
         let plan = self.plan.scan()?;
         let frames = cameras.frames.each_ref().map(Option::as_ref);
-        let mut stages = [const { Vec::new() }; 4];
+        let mut locator = Locator::without_site(cameras.rig, Settings::FULL);
+        locator.watch().keeps_considered = self.debug_dir.is_some();
+        let mut times = Vec::new();
         let mut last = None;
         for _ in 0..self.repeat {
-            time(&mut stages[0], || cameras.eyes.detect(frames))?;
-            let up = time(&mut stages[1], || cameras.up.resolve(&mut cameras.eyes, frames))
-                .with_context(|| cameras.name.clone())?;
-            let seen = time(&mut stages[2], || cameras.eyes.windows(frames, &up))
-                .with_context(|| cameras.name.clone())?;
-            let (sighting, level, chosen) = (seen.sighting, seen.level, seen.windows.to_vec());
-            let height_m = cameras.height_m;
-            let surroundings = time(&mut stages[3], || {
-                let ranges = cameras.eyes.ranges(frames, &up, height_m)?;
-                Ok::<_, EyesError>(VisualDescriptor::new(ranges, &sighting, height_m))
-            })?;
-            last = Some((sighting, level, chosen, surroundings));
+            let (seen, described) = look(&mut locator, &cameras).with_context(|| cameras.name.clone())?;
+            let mut stages = locator.watch().milliseconds();
+            *stages.entry("ranges").or_default() += described;
+            times.push(stages);
+            last = Some(seen);
         }
-        let (sighting, level, chosen, surroundings) = last.context("--repeat 0 looks at nothing")?;
-        let [segments, level_ms, windows_ms, ranges] = stages.map(median);
-        let windows: Vec<_> = chosen.iter().map(|w| WindowOutput::new(w, &cameras.eyes, &level)).collect();
+        let Look { level, evidence, windows: chosen, descriptor } =
+            last.context("--repeat 0 looks at nothing")?;
+        let (rig, resolution) = (*locator.rig(), locator.resolution());
+        let windows: Vec<_> = chosen.iter().map(|w| WindowOutput::new(w, &rig, &level, resolution)).collect();
         if let Some(dir) = &self.debug_dir {
-            let (eyes, plan, surroundings) = (&cameras.eyes, plan.as_ref(), Some(&surroundings));
-            Found { frames, eyes, level, windows: &chosen, sighting: &sighting, surroundings, plan }
+            let (plan, descriptor) = (plan.as_ref(), Some(&descriptor));
+            let segments = segments(&mut locator, frames)?;
+            let considered = locator.watch().considered().context("the panorama was drawn")?;
+            let (rig, windows, sighting) = (&rig, &chosen, &evidence);
+            Found { frames, rig, segments, considered, level, windows, sighting, descriptor, plan }
                 .draw(dir)?;
         }
+        let [segments, level_ms, windows_ms, ranges] =
+            ["segments", "up", "windows", "ranges"].map(|stage| median(&times, stage));
         let (up, VisualDescriptor { height, ranges: found, hit, scan, confidence }) =
-            (level.up(), &surroundings);
+            (level.up(), &descriptor);
         let output = Output {
             channels: float_levels(&Descriptor::from(scan)).map(decimals).into(),
             range_m: found.iter().map(|range| range.map(|r| Decimal(f64::from(r.metres)))).collect(),
@@ -178,10 +182,10 @@ impl See {
             camera_height_m: Decimal(f64::from(height.camera_m)),
             camera_height: if height.given { "given" } else { "assumed" },
             ceiling_height_m: Decimal(f64::from(height.ceiling_m)),
-            evidence: decimals(sighting.evidence.iter().map(|e| f64::from(*e))),
+            evidence: decimals(evidence.evidence.iter().map(|e| f64::from(*e))),
             up_in_cam0: decimals([up.x, up.y, up.z].map(f64::from)),
             windows,
-            truncated: sighting.truncated,
+            truncated: evidence.truncated,
             milliseconds: Milliseconds { segments, up: level_ms, windows: windows_ms, ranges },
         };
         self.json.emit(&output, &summary(&output))?;
@@ -189,15 +193,40 @@ impl See {
     }
 }
 
-/// Runs `work` and notes the milliseconds it took.
-fn time<T>(times: &mut Vec<f64>, work: impl FnOnce() -> T) -> T {
-    let start = Instant::now();
-    let result = work();
-    times.push(start.elapsed().as_secs_f64() * 1e3);
-    result
+/// What one pair of frames shows.
+struct Look {
+    level: LevelFrame,
+    evidence: WindowEvidence,
+    windows: Vec<Window>,
+    descriptor: VisualDescriptor,
 }
 
-fn median(mut times: Vec<f64>) -> Decimal {
+/// Looks once, and the milliseconds that the descriptor took.
+fn look(locator: &mut Locator<'_>, cameras: &Cameras) -> Result<(Look, f64), SeeError> {
+    let mut segmented = locator.segment(cameras.frames.each_ref().map(Option::as_ref))?;
+    let up = cameras.up.resolve(&mut segmented)?;
+    let levelled = segmented.level(&up)?;
+    let level = levelled.frame();
+    let mut seen = see(levelled);
+    let (evidence, windows) = (seen.window_evidence().clone(), seen.windows().to_vec());
+    let start = Instant::now();
+    let descriptor = VisualDescriptor::of(&mut seen, cameras.heights());
+    let described = start.elapsed().as_secs_f64() * 1e3;
+    Ok((Look { level, evidence, windows, descriptor }, described))
+}
+
+/// The segments of both frames.
+pub(super) fn segments(
+    locator: &mut Locator<'_>,
+    frames: [Option<&Frame>; 2],
+) -> Result<[Vec<Segment>; 2], SeeError> {
+    let mut segmented = locator.segment(frames)?;
+    Ok([0, 1].map(|camera| segmented.segments(camera).to_vec()))
+}
+
+/// The median over all repetitions of what a stage took.
+fn median(times: &[BTreeMap<&str, f64>], stage: &str) -> Decimal {
+    let mut times: Vec<_> = times.iter().map(|stages| stages.get(stage).copied().unwrap_or(0.0)).collect();
     times.sort_by(f64::total_cmp);
     Decimal(times.get(times.len() / 2).copied().unwrap_or(0.0))
 }

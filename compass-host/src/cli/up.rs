@@ -1,7 +1,6 @@
 //! What tells which way is up, as options.
 
-use compass_host::eyes::Mount;
-use compass_host::up::UpFrom;
+use compass_host::up::{Mount, UpFrom};
 
 /// [`Mount`] as `--mount` takes it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]

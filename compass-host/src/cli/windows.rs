@@ -2,15 +2,16 @@
 
 use super::cameras::UpArg;
 use super::debug::Found;
-use super::see::WindowOutput;
+use super::see::{WindowOutput, segments};
 use super::{Outcome, debug};
 use crate::cli::json::JsonOption;
 use anyhow::{Context as _, Result};
+use compass_core::Settings;
 use compass_core::vision::level_frame::LevelFrame;
 use compass_core::vision::segments::Parameters;
 use compass_host::calibration::Calibration;
-use compass_host::eyes::{Eyes, EyesError};
 use compass_host::frame::{Frame, SegmentDetector};
+use compass_host::locator::{Locator, SeeError, see};
 use compass_host::paper_finder::PaperFinder;
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -74,10 +75,11 @@ impl Windows {
         let frame = Frame::read(&self.image)?;
         let size = Some((frame.width(), frame.height()));
         let sizes = [0, 1].map(|camera| size.filter(|_| camera == self.camera.number()));
-        let mut eyes = Eyes::new(calibration.rig(sizes)?);
+        let mut locator = Locator::without_site(calibration.rig(sizes)?, Settings::FULL);
+        locator.watch().keeps_considered = self.debug_dir.is_some();
         let output = match self.method {
-            Method::Level => self.level(&frame, &mut eyes)?,
-            Method::Paper => self.paper(&frame, &mut eyes)?,
+            Method::Level => self.level(&frame, &mut locator)?,
+            Method::Paper => self.paper(&frame, &mut locator)?,
         };
         let mut summary = format!("{} windows\n", output.windows.len());
         for w in &output.windows {
@@ -87,31 +89,31 @@ impl Windows {
         Ok(Outcome::Done)
     }
 
-    /// On the levelled ring.
-    fn level(&self, frame: &Frame, eyes: &mut Eyes) -> Result<Output> {
+    /// In the level frame.
+    fn level(&self, frame: &Frame, locator: &mut Locator<'_>) -> Result<Output> {
+        let name = || self.image.display().to_string();
         let frames = [0, 1].map(|camera| Some(frame).filter(|_| camera == self.camera.number()));
-        eyes.detect(frames).with_context(|| self.image.display().to_string())?;
-        let up = self.up.resolve(eyes, frames).with_context(|| self.image.display().to_string())?;
-        let seen = eyes.windows(frames, &up).with_context(|| self.image.display().to_string())?;
-        let (level, found, sighting) = (seen.level, seen.windows.to_vec(), seen.sighting);
+        let mut segmented = locator.segment(frames).with_context(name)?;
+        let up = self.up.resolve(&mut segmented).with_context(name)?;
+        let levelled = segmented.level(&up).map_err(SeeError::from).with_context(name)?;
+        let level = levelled.frame();
+        let mut seen = see(levelled);
+        let (found, sighting) = (seen.windows().to_vec(), seen.window_evidence().clone());
+        let (rig, resolution) = (*locator.rig(), locator.resolution());
         if let Some(dir) = &self.debug_dir {
-            Found {
-                frames,
-                eyes,
-                level,
-                windows: &found,
-                sighting: &sighting,
-                surroundings: None,
-                plan: None,
-            }
-            .draw(dir)?;
+            let considered = locator.watch().considered().context("the panorama was drawn")?;
+            let segments = segments(locator, frames)?;
+            let (rig, windows, sighting) = (&rig, &found, &sighting);
+            let (descriptor, plan) = (None, None);
+            Found { frames, rig, segments, considered, level, windows, sighting, descriptor, plan }
+                .draw(dir)?;
         }
-        let windows = found.iter().map(|w| WindowOutput::new(w, eyes, &level)).collect();
+        let windows = found.iter().map(|w| WindowOutput::new(w, &rig, &level, resolution)).collect();
         Ok(Output { windows, truncated: sighting.truncated })
     }
 
     /// In the image as it is; the up vector only says what azimuths are.
-    fn paper(&self, frame: &Frame, eyes: &mut Eyes) -> Result<Output> {
+    fn paper(&self, frame: &Frame, locator: &mut Locator<'_>) -> Result<Output> {
         let camera = self.camera.number();
         let name = || self.image.display().to_string();
         let mut detector = SegmentDetector::new(frame.width(), frame.height());
@@ -123,10 +125,10 @@ impl Windows {
             debug::paper(dir, camera, frame, &finder)?;
         }
         let frames = [0, 1].map(|camera| Some(frame).filter(|_| camera == self.camera.number()));
-        eyes.detect(frames).with_context(name)?;
-        let level =
-            LevelFrame::new(&self.up.resolve(eyes, frames).with_context(name)?).ok_or(EyesError::Up)?;
-        let view = eyes.rig().view(camera).context("the calibration has no such camera")?;
+        let mut segmented = locator.segment(frames).with_context(name)?;
+        let up = self.up.resolve(&mut segmented).with_context(name)?;
+        let level = LevelFrame::new(&up).ok_or(SeeError::Up)?;
+        let view = locator.rig().view(camera).context("the calibration has no such camera")?;
         let output = |w| WindowOutput::in_image(w, camera, view, &level);
         Ok(Output {
             windows: finder.windows().iter().filter_map(output).collect(),

@@ -72,7 +72,7 @@ impl Differences {
         let parameters = Parameters::default();
         let view = |camera: usize| rig.view(camera);
         let arcs: Vec<_> =
-            segments.iter().filter_map(|(s, camera)| Arc::new(s, view(*camera)?, *camera as u8)).collect();
+            segments.iter().filter_map(|(s, camera)| Arc::new(s, view(*camera)?, *camera as u32)).collect();
         let again: Vec<_> = segments
             .iter()
             .filter_map(|(s, camera)| reference::Arc::new(super::segments::ends(s), view(*camera)?))

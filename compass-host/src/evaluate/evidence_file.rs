@@ -5,6 +5,7 @@
 
 use super::error::{EvaluateError, Result};
 use crate::image_file::{self, Samples};
+use crate::locator::Seen;
 use crate::output::{OutputError, write_file};
 use compass_core::base::confidence::Confidence;
 use compass_core::base::num::{BINS, LogOdds};
@@ -41,16 +42,26 @@ impl Evidence {
         Self { rows }
     }
 
+    /// Of frames.
+    ///
+    /// # Panics
+    /// Never: what was seen has its boundaries.
+    #[must_use]
+    pub fn of(seen: &mut Seen<'_, '_>) -> Self {
+        let windows = seen.window_evidence().clone();
+        Self::new(&seen.boundaries().expect("frames that were seen have boundaries"), &windows)
+    }
+
     /// The evidence of ranges.
     #[must_use]
-    pub fn survey(&self) -> BoundaryEvidence<'_> {
+    pub fn boundaries(&self) -> BoundaryEvidence<'_> {
         let known = self.row(0).map(|known| known > 0);
         BoundaryEvidence::new(&self.rows[..CELLS], known).expect("as many cells as a survey has")
     }
 
     /// The hit types; windows themselves are not kept.
     #[must_use]
-    pub fn sighting(&self) -> WindowEvidence {
+    pub fn windows(&self) -> WindowEvidence {
         let (high, low) = (self.row(2), self.row(3));
         let evidence = std::array::from_fn(|bin| {
             LogOdds::from_bits((i32::from(high[bin]) * 256 + i32::from(low[bin]) - MIDDLE) as i16)
@@ -115,8 +126,8 @@ mod tests {
         let path = folder.path().join("1.png");
         Evidence::new(&survey, &sighting).write(&path).unwrap();
         let back = Evidence::read(&path).unwrap();
-        assert_eq!(back.survey().cells(), survey.cells());
-        assert_eq!(back.survey().known(), survey.known());
-        assert_eq!(back.sighting(), sighting);
+        assert_eq!(back.boundaries().cells(), survey.cells());
+        assert_eq!(back.boundaries().known(), survey.known());
+        assert_eq!(back.windows(), sighting);
     }
 }

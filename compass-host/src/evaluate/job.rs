@@ -3,8 +3,8 @@
 use crate::calibration::Calibration;
 use crate::dataset::imu::{Gravity, Readings};
 use crate::dataset::trajectory::Trajectory;
-use crate::eyes::Mount;
 use crate::site_file::SiteFloor;
+use crate::up::Mount;
 use std::path::{Path, PathBuf};
 
 /// Readings of the accelerometer this far from a frame tell gravity, nanoseconds: half a second in all, about a step of

@@ -10,11 +10,11 @@ use crate::dataset::tum::Pose;
 use crate::locator::Locator;
 use crate::progress::Progress;
 use crate::wall_check::Walls;
-use compass_core::pose::ScoredPose;
+use compass_core::base::num::Nats;
 use compass_core::pose::evidence::EvidenceTable;
-use compass_core::pose::heights::HeightMemory;
-use compass_core::pose::locate::SURE_NATS;
-use compass_core::pose::track::{Estimate, Frame, Track};
+use compass_core::pose::heights::{HeightMemory, Heights};
+use compass_core::pose::track::{Estimate, Observation, Track};
+use compass_core::pose::{SURE as SURE_MARGIN, ScoredPose};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use std::time::Instant;
 
@@ -48,7 +48,7 @@ pub fn follow(
     progress: &dyn Progress,
 ) -> Result<Followed> {
     let mut track = Track::new();
-    let (mut before, mut usual): (Option<u64>, HeightMemory) = (None, HeightMemory::new());
+    let (mut before, mut memory): (Option<u64>, HeightMemory) = (None, HeightMemory::new());
     let (nothing, mut walls) = (Box::new(EvidenceTable::EMPTY), Walls::default());
     let plan = job.floors.get(job.floor).and_then(|floor| floor.floor?.plan(0));
     let (mut estimates, mut seconds, mut steps) = (Vec::with_capacity(records.len()), 0.0, 0);
@@ -59,8 +59,8 @@ pub fn follow(
         let motion = before.zip(odometry).and_then(|(before, way)| way.motion(before, record.timestamp_ns));
         if record.problem.is_some() {
             if motion.is_some() {
-                let frame = Frame { table: &nothing, modes: &[], seconds: seconds_since, motion };
-                estimates.push(track.step(locator.layers(), &frame));
+                let nothing = Observation { table: &nothing, poses: &[], seconds: seconds_since, motion };
+                estimates.push(track.step(locator.layers(), &nothing));
                 before = Some(record.timestamp_ns);
             } else {
                 estimates.push(track.estimate(locator.layers()));
@@ -69,16 +69,21 @@ pub fn follow(
         }
         let evidence = Evidence::read(&job.evidence_file(record.timestamp_ns))?;
         let started = Instant::now();
-        let modes = explain(record, &evidence, &mut usual, locator);
-        let frame = Frame { table: locator.table(), modes: &modes, seconds: seconds_since, motion };
-        let estimate = track.step(locator.layers(), &frame);
-        seconds += started.elapsed().as_secs_f64();
-        let judge = Judge { layers: locator.layers(), floor: job.floor };
-        let on_floor = |mode: &ScoredPose| judge.is_on_floor(&Found::from(mode));
-        if let Some((plan, sure)) = plan.zip(estimate.filter(|e| e.probability >= SURE && on_floor(&e.mode)))
-        {
-            walls.add(&plan, &sure.mode, locator.table());
-        }
+        let (poses, heights) = explain(record, &evidence, &mut memory, locator);
+        let mut seen = locator.recall(&evidence.boundaries(), &evidence.windows());
+        let estimate = seen.with_evidence(heights, |table, layers| {
+            let observation = Observation { table, poses: &poses, seconds: seconds_since, motion };
+            let estimate = track.step(layers, &observation);
+            seconds += started.elapsed().as_secs_f64();
+            let judge = Judge { layers, floor: job.floor };
+            let on_floor = |pose: &ScoredPose| judge.is_on_floor(&Found::from(pose));
+            let sure = estimate.filter(|e| e.probability >= SURE && on_floor(&e.mode));
+            if let Some((plan, sure)) = plan.zip(sure) {
+                walls.add(&plan, &sure.mode, table);
+            }
+            estimate
+        });
+        let estimate = estimate.flatten();
         estimates.push(estimate);
         steps += 1;
         before = Some(record.timestamp_ns);
@@ -86,27 +91,24 @@ pub fn follow(
     Ok(Followed { estimates, milliseconds: 1e3 * seconds / f64::from(steps.max(1)), walls })
 }
 
-/// The poses that explain a frame with the usual heights; the locator's table has its evidence.
+/// The poses that explain a frame, with the heights of the sequence where those lead by more; and the heights.
 fn explain(
     record: &Record,
     evidence: &Evidence,
-    usual: &mut HeightMemory,
+    memory: &mut HeightMemory,
     locator: &mut Locator<'_>,
-) -> Vec<ScoredPose> {
-    let is_sure = record.margin() >= f64::from(SURE_NATS);
-    if is_sure {
-        usual.learn(record.height, record.ceiling);
-    }
-    let (survey, sighting) = (evidence.survey(), evidence.sighting());
-    if !is_sure && !usual.is_like(record.height, record.ceiling) {
-        let fix = locator.locate(&survey, usual.room(), &sighting);
-        if fix.answer.margin().to_num::<f64>() > record.margin() {
-            locator.weigh(&survey, [fix.height, fix.ceiling], &sighting);
-            return fix.answer.modes().to_vec();
+) -> (Vec<ScoredPose>, Heights) {
+    let heights = Heights::from_rungs([record.height, record.ceiling]);
+    let margin = Nats::from_num(record.margin());
+    if margin >= SURE_MARGIN {
+        memory.learn(heights);
+    } else if !memory.is_like(heights) {
+        let fix = locator.recall(&evidence.boundaries(), &evidence.windows()).locate(memory.prior());
+        if fix.margin() > margin {
+            return (fix.poses().to_vec(), fix.heights());
         }
     }
-    locator.weigh(&survey, [record.height, record.ceiling], &sighting);
-    record.single.iter().map(ScoredPose::from).collect()
+    (record.single.iter().map(ScoredPose::from).collect(), heights)
 }
 
 /// A pose of cam0 with all its axes: z is its height above the floor, and the frame tells which way is up.

@@ -1,4 +1,4 @@
-//! One thread's eyes and searches.
+//! One thread's searches.
 
 use super::error::Result;
 use super::evidence_file::Evidence;
@@ -8,18 +8,16 @@ use super::paper::Paper;
 use super::record::{Found, PAPER, Record};
 use crate::clock::Clock;
 use crate::dataset::recording::{Shot, Source};
-use crate::eyes::{Eyes, EyesError};
 use crate::frame::Frame;
-use crate::locator::{Locator, NoPlan};
+use crate::locator::{Locator, NoPlan, SeeError, see};
 use crate::site;
 use crate::up::{UpFrom, UpSources};
 use compass_core::base::confidence::Confidence;
-use compass_core::base::ladder::{NOMINAL_HEIGHT_M, height_rungs};
+use compass_core::base::ladder::NOMINAL_HEIGHT_M;
 use compass_core::base::num::BINS;
 use compass_core::base::scan::Scan;
-use compass_core::pose::locate::HeightPrior;
-use compass_core::vision::boundary::RangeLikelihoods;
 use compass_core::vision::visual_scan;
+use compass_core::{HeightPrior, Settings};
 use std::collections::BTreeMap;
 
 /// What was seen, the up vector, and what told it.
@@ -28,13 +26,13 @@ type Seen = (Evidence, [f32; 3], UpFrom);
 /// Sizes of the frames of the two cameras.
 type Sizes = [Option<(u32, u32)>; 2];
 
-/// Eyes and searches with all their buffers, for one frame after the other.
+/// Locators with all their memory, for one frame after the other.
 pub struct Worker<'a> {
     job: &'a Job<'a>,
-    /// One for each combination of cameras that occurred.
-    eyes: Vec<(Sizes, Eyes)>,
-    locator: Locator<'a>,
-    ranges: Box<RangeLikelihoods>,
+    /// To see with: one for each combination of cameras that occurred.
+    locators: Vec<(Sizes, Locator<'static>)>,
+    /// To search what was seen.
+    search: Locator<'a>,
     paper: Paper,
 }
 
@@ -50,14 +48,8 @@ impl<'a> Worker<'a> {
     /// # Errors
     /// [`NoPlan`] if a floor has no plan to refine poses on.
     pub fn new(job: &'a Job<'a>) -> Result<Self, NoPlan> {
-        let locator = Locator::new(job.floors)?;
-        Ok(Self {
-            job,
-            eyes: Vec::new(),
-            locator,
-            ranges: Box::new(RangeLikelihoods::EMPTY),
-            paper: Paper::default(),
-        })
+        let search = Locator::without_rig(job.floors, Settings::FULL)?;
+        Ok(Self { job, locators: Vec::new(), search, paper: Paper::default() })
     }
 
     /// Localizes a frame in every way and keeps its evidence.
@@ -99,56 +91,58 @@ impl<'a> Worker<'a> {
         Ok(record)
     }
 
-    /// What the eyes make of the frames, or why they make nothing of them.
+    /// What the frames show, or why they show nothing.
     fn see(
         &mut self,
         frames: [Option<&Frame>; 2],
         up: &UpSources,
         clock: &mut Clock,
-    ) -> Result<Result<Seen, EyesError>> {
-        let eyes = self.eyes(frames.map(|frame| frame.map(|frame| (frame.width(), frame.height()))))?;
-        let mut see = || {
-            eyes.detect(frames)?;
-            clock.stage("segments");
-            let (up, from) = up.resolve(eyes, frames)?;
-            clock.stage("up");
-            let seen = eyes.windows(frames, &up)?;
-            let (sighting, up) = (seen.sighting, seen.level.up());
-            clock.stage("windows");
-            let evidence = Evidence::new(&eyes.survey(frames, &up)?, &sighting);
-            clock.stage("ranges");
-            Ok((evidence, [up.x, up.y, up.z], from))
+    ) -> Result<Result<Seen, SeeError>> {
+        let locator = self.locator(frames.map(|frame| frame.map(|frame| (frame.width(), frame.height()))))?;
+        let mut look = || {
+            let mut segmented = locator.segment(frames)?;
+            let (up, from) = up.resolve(&mut segmented)?;
+            let levelled = segmented.level(&up)?;
+            let up = levelled.frame().up();
+            Ok((Evidence::of(&mut see(levelled)), [up.x, up.y, up.z], from))
         };
-        Ok(see())
+        let seen = look();
+        clock.extend(locator.watch().milliseconds());
+        Ok(seen)
     }
 
-    /// The eyes for frames of these sizes.
-    fn eyes(&mut self, sizes: Sizes) -> Result<&mut Eyes> {
-        let at = match self.eyes.iter().position(|(known, _)| *known == sizes) {
+    /// The locator for frames of these sizes.
+    fn locator(&mut self, sizes: Sizes) -> Result<&mut Locator<'static>> {
+        let at = match self.locators.iter().position(|(known, _)| *known == sizes) {
             Some(at) => at,
             None => {
-                self.eyes.push((sizes, Eyes::new(self.job.calibration.rig(sizes)?)));
-                self.eyes.len() - 1
+                let rig = self.job.calibration.rig(sizes)?;
+                self.locators.push((sizes, Locator::without_site(rig, Settings::FULL)));
+                self.locators.len() - 1
             }
         };
-        Ok(&mut self.eyes[at].1)
+        Ok(&mut self.locators[at].1)
     }
 
     /// Ours and the paper's.
     fn search(&mut self, evidence: &Evidence, record: &mut Record, clock: &mut Clock) -> Result<()> {
-        let (survey, sighting) = (evidence.survey(), evidence.sighting());
-        let room = HeightPrior { height: self.job.height_m.map(height_rungs), ceiling: None };
-        let fix = self.locator.locate(&survey, room, &sighting);
+        let windows = evidence.windows();
+        let known = self.job.height_m.map_or(HeightPrior::UNKNOWN, HeightPrior::camera);
+        let mut seen = self.search.recall(&evidence.boundaries(), &windows);
+        let fix = seen.locate(known);
         clock.stage("locate");
-        record.height_m = self.job.height_m.unwrap_or_else(|| fix.height_m());
+        record.height_m = fix.camera_height_m();
         // A score of 0 says nothing.
-        record.single = Found::all(&fix.answer).into_iter().filter(|found| found.score > 0).collect();
-        (record.height, record.ceiling) = (fix.height, fix.ceiling);
+        record.single = fix.poses().iter().map(Found::from).filter(|found| found.score > 0).collect();
+        [record.height, record.ceiling] = fix.heights().to_rungs();
         evidence.write(&self.job.evidence_file(record.timestamp_ns))?;
         clock.stage("write");
-        survey.ranges(fix.ceiling, &mut self.ranges);
-        let (scan, confidence) = visual_scan::scan(&self.ranges, fix.height, &sighting);
-        record.paper = self.paper(&scan, &confidence);
+        let ranges = seen.range_likelihoods(HeightPrior::both(fix.heights()));
+        if let Some((scan, confidence)) =
+            ranges.map(|ranges| visual_scan::scan(ranges, record.height, &windows))
+        {
+            record.paper = self.paper(&scan, &confidence);
+        }
         clock.stage("paper");
         Ok(())
     }
@@ -156,7 +150,7 @@ impl<'a> Worker<'a> {
     /// The best candidate by the cosine of descriptors in each way, on the layers that have everything.
     fn paper(&mut self, scan: &Scan, confidence: &Confidence) -> [Option<Found>; PAPER.len()] {
         let mut best: [Option<Found>; PAPER.len()] = [None; PAPER.len()];
-        for (number, layer) in (0..).zip(self.locator.layers()).filter(|(_, layer)| layer.number == 0) {
+        for (number, layer) in (0..).zip(self.search.layers()).filter(|(_, layer)| layer.number == 0) {
             for (best, found) in best.iter_mut().zip(self.paper.best(&layer.map, scan, confidence)) {
                 let Some(found) = found else { continue };
                 let Some(at) = layer.map.position(found.candidate as usize) else { continue };
@@ -180,7 +174,7 @@ impl<'a> Worker<'a> {
         if let Some((plan, at)) = plan.zip(at)
             && plan.scan(at, site::turn(truth.heading_deg()), &mut scan).is_ok()
         {
-            record.oracle = Found::all(&self.locator.explain(|table| oracle::sharp(&scan, table)));
+            record.oracle = Found::all(&self.search.explain(|table| oracle::sharp(&scan, table)));
         }
         clock.stage("oracle");
     }

@@ -67,6 +67,9 @@ pub struct Rig {
 }
 
 impl Rig {
+    /// No camera.
+    pub(crate) const NONE: Self = Self { views: [None; 2] };
+
     /// A rig of one or two cameras.
     ///
     /// # Errors

@@ -6,13 +6,11 @@ use crate::cli::pictures;
 use crate::cli::pose::Pose;
 use crate::cli::progress::Bars;
 use anyhow::{Context as _, Result};
-use compass_core::pose::locate::HeightPrior;
-use compass_core::vision::boundary::RangeLikelihoods;
+use compass_core::{HeightPrior, Settings};
 use compass_host::calibration::{Calibration, NOMINAL_YAML};
 use compass_host::dataset::tum;
-use compass_host::eyes::{Eyes, Mount};
 use compass_host::frame::Frame;
-use compass_host::locator::Locator;
+use compass_host::locator::{Locator, see};
 use compass_host::output::{Decimal, create_dir, write_file, write_png};
 use compass_host::plan_import::PlanRaster;
 use compass_host::plan_import::structure::{DEFAULT_THICKNESS_M, keep_structure};
@@ -21,6 +19,7 @@ use compass_host::sample::FRAME_POSE;
 use compass_host::simulate::{Scene, SceneOptions, render};
 use compass_host::site::{BuildOptions, PackedPlan};
 use compass_host::site_file::{SiteFile, floor_bytes_with_progress};
+use compass_host::up::Mount;
 use compass_host::visual_descriptor::VisualDescriptor;
 use std::path::Path;
 use std::time::Instant;
@@ -49,7 +48,6 @@ pub(super) fn run(dir: &Path, raster: &PlanRaster, plan: &PackedPlan) -> Result<
     write_file(&path, &site)?;
     let file = SiteFile::read(&path)?;
     let floors = file.floors();
-    let mut locator = Locator::new(&floors)?;
     let ([x, y], heading) = FRAME_POSE;
     let pose = tum::Pose::looking(0, [x, y, HEIGHT_M], heading, PITCH_ROLL_DEG[0], PITCH_ROLL_DEG[1]);
     let rig = Calibration::nominal().rig([Some(SIZE); 2])?;
@@ -61,27 +59,27 @@ pub(super) fn run(dir: &Path, raster: &PlanRaster, plan: &PackedPlan) -> Result<
     }
     let frames = images.map(|image| image.and_then(Frame::from_rgb));
     let frames = frames.each_ref().map(Option::as_ref);
-    let mut eyes = Eyes::new(rig);
+    let mut locator = Locator::new(&floors, rig, Settings::FULL)?;
+    locator.watch().keeps_considered = true;
     let started = Instant::now();
-    eyes.detect(frames)?;
-    let up = eyes.vertical(frames, Mount::Inverted)?.up;
-    let seen = eyes.windows(frames, &up)?;
-    let (sighting, level, windows) = (seen.sighting, seen.level, seen.windows.to_vec());
-    let survey = eyes.survey(frames, &up)?;
-    let fix = locator.locate(&survey, HeightPrior::default(), &sighting);
+    let mut segmented = locator.segment(frames)?;
+    let up = Mount::Inverted.vertical(&mut segmented)?.up;
+    let segments = [0, 1].map(|camera| segmented.segments(camera).to_vec());
+    let levelled = segmented.level(&up)?;
+    let level = levelled.frame();
+    let mut seen = see(levelled);
+    let fix = seen.locate(HeightPrior::UNKNOWN);
     let milliseconds = started.elapsed().as_secs_f64() * 1e3;
-    let height_m = fix.height_m();
-    let mut ranges = Box::new(RangeLikelihoods::EMPTY);
-    survey.ranges(fix.ceiling, &mut ranges);
-    let surroundings = VisualDescriptor::new(&ranges, &sighting, Some(height_m));
+    let (sighting, windows) = (&seen.window_evidence().clone(), &seen.windows().to_vec());
+    let descriptor = VisualDescriptor::of(&mut seen, HeightPrior::both(fix.heights()));
     let truth = plan.scan([x, y], heading)?;
-    let (plan, surroundings) = (Some(&truth), Some(&surroundings));
-    Found { frames, eyes: &eyes, level, windows: &windows, sighting: &sighting, surroundings, plan }
-        .draw(dir)?;
-    let poses: Vec<_> = fix.answer.modes().iter().map(|mode| pose_of(mode, None)).collect();
+    let (plan, descriptor, rig) = (Some(&truth), Some(&descriptor), &rig);
+    let considered = locator.watch().considered().context("the panorama was drawn")?;
+    Found { frames, rig, segments, considered, level, windows, sighting, descriptor, plan }.draw(dir)?;
+    let poses: Vec<_> = fix.poses().iter().map(|mode| pose_of(mode, None)).collect();
     pictures::site_map(&dir.join("map.png"), raster, &floors[0].map, None, FRAME_POSE, &poses)?;
     let probability = f64::from(fix.probability());
-    Ok(Seen { poses, probability, camera_height_m: f64::from(height_m), milliseconds })
+    Ok(Seen { poses, probability, camera_height_m: f64::from(fix.camera_height_m()), milliseconds })
 }
 
 impl Seen {

@@ -6,6 +6,7 @@ use super::progress::Bars;
 use super::up::MountOption;
 use crate::cli::json::JsonOption;
 use anyhow::{Context as _, Result, bail};
+use compass_core::Settings;
 use compass_host::calibration::Calibration;
 use compass_host::dataset::recording::{Recording, Shot, Source, Topics};
 use compass_host::dataset::trajectory::Trajectory;
@@ -77,7 +78,8 @@ impl Evaluate {
         // Everything is read before anything is written.
         let file = SiteFile::read(&self.map)?;
         let floors = file.floors();
-        let mut locator = Locator::new(&floors).with_context(|| self.map.display().to_string())?;
+        let mut locator =
+            Locator::without_rig(&floors, Settings::FULL).with_context(|| self.map.display().to_string())?;
         let floor = self.true_floor(&floors)?;
         let calibration = Calibration::load(&self.calib)?;
         let mut recording =

@@ -2,10 +2,9 @@
 
 use anyhow::Result;
 use compass_core::vision::attitude::{Arc, Axes};
-use compass_core::vision::camera::{Bearing, View};
+use compass_core::vision::camera::{Bearing, Rig, View};
 use compass_core::vision::level_frame::LevelFrame;
 use compass_core::vision::segments::Segment;
-use compass_host::eyes::Eyes;
 use compass_host::figures::{self, Layer};
 use compass_host::frame::Frame;
 use compass_host::output::create_dir;
@@ -24,7 +23,11 @@ const RING: f64 = 0.012;
 /// What there is to draw.
 pub(super) struct Lines<'a> {
     pub(super) frames: [Option<&'a Frame>; 2],
-    pub(super) eyes: &'a Eyes,
+    pub(super) rig: &'a Rig,
+    /// Line segments of each frame.
+    pub(super) segments: [Vec<Segment>; 2],
+    /// Largest angle between a segment and the vertical that it points to, degrees.
+    pub(super) tolerance_deg: f32,
     pub(super) level: &'a LevelFrame,
     pub(super) axes: Option<Axes>,
 }
@@ -34,7 +37,7 @@ impl Lines<'_> {
     pub(super) fn draw(&self, dir: &Path) -> Result<()> {
         create_dir(dir)?;
         for (camera, frame) in self.frames.iter().enumerate() {
-            let Some((frame, view)) = frame.zip(self.eyes.rig().view(camera)) else { continue };
+            let Some((frame, view)) = frame.zip(self.rig.view(camera)) else { continue };
             let mut layers = self.segments(camera, view);
             layers.extend(self.circles(view, f64::from(frame.width())));
             let caption = format!(
@@ -63,11 +66,11 @@ impl Lines<'_> {
         let directions = self.directions();
         let mut layers = vec![Layer::new("no one's", GRAY, 1.5)];
         layers.extend(directions.iter().zip(COLOURS).map(layer));
-        for segment in self.eyes.segments(camera) {
-            let Some(arc) = Arc::new(segment, view, camera as u8) else { continue };
+        for segment in &self.segments[camera] {
+            let Some(arc) = Arc::new(segment, view, camera as u32) else { continue };
             let Segment { x1, y1, x2, y2, .. } = *segment;
             let ends = [[x1, y1], [x2, y2]].map(|end| end.map(f64::from)).to_vec();
-            let upright = arc.agreement(&self.level.up(), self.eyes.tolerance_deg()) > 0.0;
+            let upright = arc.agreement(&self.level.up(), self.tolerance_deg) > 0.0;
             let along = || self.axes.and_then(|axes| axes.axis_of(&arc, self.level));
             let class = if upright { 1 } else { along().map_or(0, |axis| 2 + axis) };
             layers[class].lines.push(ends);

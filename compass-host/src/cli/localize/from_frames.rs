@@ -1,15 +1,14 @@
 //! The pose of camera frames.
 
 use crate::cli::Outcome;
-use crate::cli::cameras::{CameraArgs, Cameras};
+use crate::cli::cameras::CameraArgs;
 use crate::cli::json::JsonOption;
 use crate::cli::pose::{Pose, milliseconds};
 use anyhow::{Context as _, Result};
-use compass_core::base::ladder::height_rungs;
-use compass_core::pose::locate::HeightPrior;
 use compass_core::pose::{FloorLayer, ScoredPose};
+use compass_core::{Fix, Settings};
 use compass_host::clock::Clock;
-use compass_host::locator::Locator;
+use compass_host::locator::{Locator, SeeError, Seen, see};
 use compass_host::output::Decimal;
 use compass_host::site_file::{SiteFile, SiteFloor};
 use compass_host::wall_check::{WallSummary, Walls};
@@ -65,26 +64,24 @@ pub(super) fn run(
     let mut clock = Clock::start();
     let file = SiteFile::read(map)?;
     let floors = file.floors();
-    let mut locator = Locator::new(&floors).with_context(|| map.display().to_string())?;
     clock.stage("read_map");
-    let Cameras { frames, mut eyes, up, height_m, name } = cameras.load()?;
-    let frames = frames.each_ref().map(Option::as_ref);
+    let cameras = cameras.load()?;
+    let frames = cameras.frames.each_ref().map(Option::as_ref);
     clock.stage("read_frames");
-    eyes.detect(frames)?;
-    clock.stage("segments");
-    let up = up.resolve(&mut eyes, frames).with_context(|| name.clone())?;
-    clock.stage("up");
-    let seen = eyes.windows(frames, &up).with_context(|| name.clone())?;
-    let (sighting, up) = (seen.sighting, seen.level.up());
-    clock.stage("windows");
-    let survey = eyes.survey(frames, &up).with_context(|| name.clone())?;
-    clock.stage("ranges");
-    let room = HeightPrior { height: height_m.map(height_rungs), ceiling: None };
-    let fix = locator.locate(&survey, room, &sighting);
-    clock.stage("locate");
-    let poses: Vec<_> = fix.answer.modes().iter().map(|m| pose(m, locator.layers(), &floors)).collect();
+    let locator = Locator::new(&floors, cameras.rig, Settings::FULL);
+    let mut locator = locator.with_context(|| map.display().to_string())?;
+    let name = || cameras.name.clone();
+    let mut segmented = locator.segment(frames).with_context(name)?;
+    let up = cameras.up.resolve(&mut segmented).with_context(name)?;
+    let levelled = segmented.level(&up).map_err(SeeError::from).with_context(name)?;
+    let up = levelled.frame().up();
+    let mut seen = see(levelled);
+    let fix = seen.locate(cameras.heights());
+    let walls = walls(&fix, &mut seen, &floors);
+    clock.extend(locator.watch().milliseconds());
+    let poses: Vec<_> = fix.poses().iter().map(|m| pose(m, locator.layers(), &floors)).collect();
     let probability = f64::from(fix.probability());
-    let (Some(best), Some(mode)) = (poses.first().copied(), fix.answer.best()) else {
+    let Some(best) = poses.first().copied() else {
         json.emit(&Unsure { probability: Decimal(0.0), candidates: poses }, "no pose found\n")?;
         return Ok(Outcome::No);
     };
@@ -97,19 +94,17 @@ pub(super) fn run(
         return Ok(Outcome::No);
     }
     let errors = truth.map(|(at, heading)| best.error(at, heading));
-    locator.weigh(&survey, [fix.height, fix.ceiling], &sighting);
-    let walls = walls(mode, &locator, &floors);
-    let layer = locator.layers().get(usize::from(mode.layer)).map_or(0, |layer| usize::from(layer.number));
+    let layer = usize::from(fix.layer_number().unwrap_or(0));
     let output = Output {
         floor: best.floor,
         x: best.x,
         y: best.y,
         heading_deg: best.heading_deg,
         up_in_cam0: [up.x, up.y, up.z].map(|v| Decimal(f64::from(v))),
-        camera_height_m: Decimal(f64::from(height_m.unwrap_or_else(|| fix.height_m()))),
+        camera_height_m: Decimal(f64::from(fix.camera_height_m())),
         layer: LAYERS[layer.min(1)],
         score: best.score,
-        margin: Decimal(fix.answer.margin().to_num()),
+        margin: Decimal(fix.margin().to_num()),
         probability: Decimal(probability),
         candidates: poses,
         walls: WallSummary::of(&walls),
@@ -121,11 +116,12 @@ pub(super) fn run(
     Ok(Outcome::Done)
 }
 
-/// The walls of the plan as drawn, by the evidence that the locator holds.
-fn walls(mode: &ScoredPose, locator: &Locator<'_>, floors: &[SiteFloor<'_>]) -> Walls {
+/// The walls of the plan as drawn, by what was seen from the likeliest pose.
+fn walls(fix: &Fix<'_>, seen: &mut Seen<'_, '_>, floors: &[SiteFloor<'_>]) -> Walls {
     let mut walls = Walls::default();
-    if let Some(plan) = site_floor(mode, locator.layers(), floors).and_then(|floor| floor.floor?.plan(0)) {
-        walls.add(&plan, mode, locator.table());
+    let floor = fix.pose().and_then(|pose| floors.get(usize::from(pose.floor))?.floor);
+    if let Some((plan, pose)) = floor.and_then(|floor| floor.plan(0)).zip(fix.best()) {
+        seen.with_evidence(fix.heights(), |table, _| walls.add(&plan, pose, table));
     }
     walls
 }
