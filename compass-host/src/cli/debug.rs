@@ -39,7 +39,7 @@ pub(super) struct Found<'a> {
     pub(super) windows: &'a [Window],
     pub(super) sighting: &'a WindowEvidence,
     /// What it comes to in metres, if that was measured.
-    pub(super) surroundings: Option<&'a VisualDescriptor>,
+    pub(super) descriptor: Option<&'a VisualDescriptor>,
     /// What the plan says, if there is one.
     pub(super) plan: Option<&'a Scan>,
 }
@@ -69,9 +69,9 @@ impl Found<'_> {
         };
         figures::draw_ring(&dir.join("ring.png"), &picture)?;
         figures::draw_seen(&dir.join("polar.png"), hit, &known, self.plan.map(|plan| &plan.hit))?;
-        if let Some(surroundings) = self.surroundings {
-            self.draw_panorama(&dir.join("panorama.png"), surroundings)?;
-            self.draw_descriptors(&dir.join("descriptor.png"), surroundings)?;
+        if let Some(descriptor) = self.descriptor {
+            self.draw_panorama(&dir.join("panorama.png"), descriptor)?;
+            self.draw_descriptors(&dir.join("descriptor.png"), descriptor)?;
         }
         Ok(())
     }
@@ -110,10 +110,10 @@ impl Found<'_> {
     }
 
     /// What was seen as a descriptor, unknown bins left out, and the plan's below it.
-    fn draw_descriptors(&self, path: &Path, surroundings: &VisualDescriptor) -> Result<()> {
-        let mut seen = float_levels(&Descriptor::from(&surroundings.scan));
+    fn draw_descriptors(&self, path: &Path, descriptor: &VisualDescriptor) -> Result<()> {
+        let mut seen = float_levels(&Descriptor::from(&descriptor.scan));
         for channel in &mut seen {
-            let known = surroundings.confidence.sixteenths().iter().map(|c| *c > 0);
+            let known = descriptor.confidence.sixteenths().iter().map(|c| *c > 0);
             channel.iter_mut().zip(known).filter(|(_, known)| !known).for_each(|(v, _)| *v = f64::NAN);
         }
         let plan = self.plan.map(|plan| float_levels(&Descriptor::from(plan)));

@@ -165,8 +165,16 @@ impl See {
         let windows: Vec<_> = chosen.iter().map(|w| WindowOutput::new(w, &cameras.eyes, &level)).collect();
         if let Some(dir) = &self.debug_dir {
             let (eyes, plan, surroundings) = (&cameras.eyes, plan.as_ref(), Some(&surroundings));
-            Found { frames, eyes, level, windows: &chosen, sighting: &sighting, surroundings, plan }
-                .draw(dir)?;
+            Found {
+                frames,
+                eyes,
+                level,
+                windows: &chosen,
+                sighting: &sighting,
+                descriptor: surroundings,
+                plan,
+            }
+            .draw(dir)?;
         }
         let (up, VisualDescriptor { height, ranges: found, hit, scan, confidence }) =
             (level.up(), &surroundings);

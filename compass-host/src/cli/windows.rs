@@ -95,16 +95,8 @@ impl Windows {
         let seen = eyes.windows(frames, &up).with_context(|| self.image.display().to_string())?;
         let (level, found, sighting) = (seen.level, seen.windows.to_vec(), seen.sighting);
         if let Some(dir) = &self.debug_dir {
-            Found {
-                frames,
-                eyes,
-                level,
-                windows: &found,
-                sighting: &sighting,
-                surroundings: None,
-                plan: None,
-            }
-            .draw(dir)?;
+            Found { frames, eyes, level, windows: &found, sighting: &sighting, descriptor: None, plan: None }
+                .draw(dir)?;
         }
         let windows = found.iter().map(|w| WindowOutput::new(w, eyes, &level)).collect();
         Ok(Output { windows, truncated: sighting.truncated })

@@ -73,10 +73,10 @@ pub(super) fn run(dir: &Path, raster: &PlanRaster, plan: &PackedPlan) -> Result<
     let height_m = fix.height_m();
     let mut ranges = Box::new(RangeLikelihoods::EMPTY);
     survey.ranges(fix.ceiling, &mut ranges);
-    let surroundings = VisualDescriptor::new(&ranges, &sighting, Some(height_m));
+    let descriptor = VisualDescriptor::new(&ranges, &sighting, Some(height_m));
     let truth = plan.scan([x, y], heading)?;
-    let (plan, surroundings) = (Some(&truth), Some(&surroundings));
-    Found { frames, eyes: &eyes, level, windows: &windows, sighting: &sighting, surroundings, plan }
+    let (plan, descriptor) = (Some(&truth), Some(&descriptor));
+    Found { frames, eyes: &eyes, level, windows: &windows, sighting: &sighting, descriptor, plan }
         .draw(dir)?;
     let poses: Vec<_> = fix.answer.modes().iter().map(|mode| pose_of(mode, None)).collect();
     pictures::site_map(&dir.join("map.png"), raster, &floors[0].map, None, FRAME_POSE, &poses)?;
