@@ -1,4 +1,4 @@
-//! What both cameras see, in metres: range, hit type and how sure they are, by direction.
+//! The visual descriptor of a pair of frames: range in metres, hit type and confidence, by direction.
 
 use crate::locator::Seen;
 use compass_core::HeightPrior;
@@ -10,22 +10,22 @@ use compass_core::vision::boundary::{Range, RangeLikelihoods};
 use compass_core::vision::visual_scan;
 use compass_core::vision::windows::WindowEvidence;
 
-/// Height of a room, metres, that makes the camera's height where nobody told it: a usual one of offices and flats.
+/// Height of a room, metres, from which the height of the camera follows when it is not given: usual in offices and flats.
 pub const ROOM_M: f32 = 2.75;
 
 /// Height of cam0 above the floor, and that of the ceiling, metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Height {
-    /// Of the camera.
+    /// Height of cam0, metres.
     pub camera_m: f32,
-    /// Of the ceiling, as a multiple of it.
+    /// Height of the ceiling, metres.
     pub ceiling_m: f32,
-    /// Whether the camera's was told; else the room is taken to be [`ROOM_M`] high.
+    /// Whether the height of the camera was given; else the room is assumed to be [`ROOM_M`] high.
     pub given: bool,
 }
 
 impl Height {
-    /// The height told, or the one that makes a room of [`ROOM_M`], bounded by [`HEIGHTS_M`].
+    /// The height given, or the one that makes a room of [`ROOM_M`], bounded by [`HEIGHTS_M`].
     #[must_use]
     pub fn new(given_m: Option<f32>, ranges: &RangeLikelihoods) -> Self {
         let whole = 1.0 + ranges.ceiling_ratio();
@@ -48,15 +48,15 @@ impl Height {
 /// Range and hit type in every direction, bin j at heading + j degrees, counter-clockwise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VisualDescriptor {
-    /// The height that ranges are reckoned with.
+    /// The heights that the ranges depend on.
     pub height: Height,
-    /// Likeliest range in metres and how sure it is; `None` where neither floor nor ceiling was seen.
+    /// Likeliest range in metres and its confidence; `None` where neither floor nor ceiling was seen.
     pub ranges: [Option<Range>; BINS],
     /// Hit type; `None` where neither camera sees, or safety gear hides it.
     pub hit: [Option<Hit>; BINS],
     /// Both as the paper's descriptor is made of them: unknown ranges are those of the nearest direction.
     pub scan: Scan,
-    /// How sure the bins of `scan` are.
+    /// Confidence of the bins of `scan`.
     pub confidence: Confidence,
 }
 

@@ -1,7 +1,7 @@
-//! Which walls of a plan stand, by what was seen from known poses.
+//! Which walls of a plan stand, by the evidence of frames at known poses.
 //!
-//! Each pose casts the plan as drawn; what was seen there [judges](compare) the walls its rays meet. Judgements are
-//! collected on tiles of the map: of each frame a tile takes the mean, and those of frames add up.
+//! Rays are cast in the plan as drawn; the evidence of the frame is [compared](compare) with the wall that each ray
+//! meets. Log-likelihood ratios are collected on tiles of the map: a tile adds the mean of each frame.
 
 use crate::output::{Decimal, OutputError, write_file};
 use compass_core::base::num::Nats;
@@ -17,33 +17,33 @@ use std::path::Path;
 
 /// Side of a tile, metres.
 pub const TILE_M: f64 = 0.2;
-/// Walls farther away are seen by too few rays.
+/// Walls farther away meet too few rays, metres.
 const FARTHEST_M: f64 = 12.0;
-/// What decides a tile, nats.
+/// Log-likelihood ratio from which a tile has a verdict, nats.
 const DECISIVE_NATS: f64 = 3.0;
 
-/// What is seen of a tile.
+/// The evidence on a tile.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Tile {
-    /// Log-likelihood ratio of the wall standing to one looking through it, nats.
+    /// Log-likelihood ratio of the wall being there to it being absent, nats.
     pub nats: f64,
     /// Frames that saw it.
     pub frames: u32,
 }
 
-/// What came of a tile.
+/// The verdict on a tile.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
     /// The wall is there.
     Stands,
-    /// One looks through.
+    /// The cameras see through it.
     Absent,
-    /// Seen, but not clearly.
+    /// The evidence does not decide.
     Unclear,
 }
 
 impl Tile {
-    /// What it comes to.
+    /// The verdict that the evidence gives.
     #[must_use]
     pub fn verdict(&self) -> Verdict {
         match self.nats {
@@ -54,18 +54,18 @@ impl Tile {
     }
 }
 
-/// The walls of a floor in short, for programs.
+/// The verdicts on the walls of a floor, for machine-readable results.
 #[derive(Debug, Serialize)]
 pub struct WallSummary {
     standing_m: Decimal,
     absent_m: Decimal,
     unclear_m: Decimal,
-    /// Middles of the tiles where one looks through the plan's wall.
+    /// Centres of the tiles without the wall that the plan draws.
     absent: Vec<[Decimal; 2]>,
 }
 
 impl WallSummary {
-    /// Sums up.
+    /// Sums the tiles by verdict.
     #[must_use]
     pub fn of(walls: &Walls) -> Self {
         let absent = walls.tiles().filter(|(_, tile)| tile.verdict() == Verdict::Absent);
@@ -78,17 +78,17 @@ impl WallSummary {
     }
 }
 
-/// The walls of one floor that were looked at.
+/// The evidence on the walls of one floor.
 #[derive(Debug, Clone, Default)]
 pub struct Walls {
     /// By tile: column and row of the map from its origin.
     tiles: BTreeMap<[i32; 2], Tile>,
-    /// Metres.
+    /// Positions of the frames, metres.
     seen_from: Vec<[f64; 2]>,
 }
 
 impl Walls {
-    /// Takes in what was seen from a pose, with the plan as drawn. A pose in a wall says nothing.
+    /// Adds the evidence of a frame at a pose, with the plan as drawn. A pose inside a wall adds nothing.
     pub fn add(&mut self, plan: &Plan<'_>, pose: &ScoredPose, table: &EvidenceTable) {
         let mut scan = Scan::OPEN;
         if plan.scan(pose.at, pose.heading, &mut scan).is_err() {
@@ -114,18 +114,18 @@ impl Walls {
         }
     }
 
-    /// The positions that were taken in, metres.
+    /// The positions of the frames that were added, metres.
     #[must_use]
     pub fn seen_from(&self) -> &[[f64; 2]] {
         &self.seen_from
     }
 
-    /// The tiles that were seen, by their middles in metres.
+    /// The tiles with evidence, by their centres in metres.
     pub fn tiles(&self) -> impl Iterator<Item = ([f64; 2], &Tile)> {
         self.tiles.iter().map(|(key, tile)| (key.map(|k| (f64::from(k) + 0.5) * TILE_M), tile))
     }
 
-    /// Metres of wall that came to a verdict, a tile for [`TILE_M`].
+    /// Metres of wall with this verdict; a tile counts [`TILE_M`].
     #[must_use]
     pub fn metres(&self, verdict: Verdict) -> f64 {
         self.tiles.values().filter(|tile| tile.verdict() == verdict).count() as f64 * TILE_M
@@ -153,7 +153,7 @@ mod tests {
     use crate::sample::{FRAME_POSE, building};
     use crate::site::{PackedPlan, point, turn};
 
-    /// What is told of the walls as drawn by somebody who sees those of another plan.
+    /// The check of the walls as drawn, by ideal evidence of another plan.
     fn checked(drawn: &PackedPlan, built: &PlanRaster) -> Walls {
         let ([x, y], heading) = FRAME_POSE;
         let (at, heading_deg) = (point(x, y).unwrap(), turn(heading));

@@ -112,10 +112,10 @@ impl Found<'_> {
     }
 
     /// What was seen as a descriptor, unknown bins left out, and the plan's below it.
-    fn draw_descriptors(&self, path: &Path, surroundings: &VisualDescriptor) -> Result<()> {
-        let mut seen = float_levels(&Descriptor::from(&surroundings.scan));
+    fn draw_descriptors(&self, path: &Path, descriptor: &VisualDescriptor) -> Result<()> {
+        let mut seen = float_levels(&Descriptor::from(&descriptor.scan));
         for channel in &mut seen {
-            let known = surroundings.confidence.sixteenths().iter().map(|c| *c > 0);
+            let known = descriptor.confidence.sixteenths().iter().map(|c| *c > 0);
             channel.iter_mut().zip(known).filter(|(_, known)| !known).for_each(|(v, _)| *v = f64::NAN);
         }
         let plan = self.plan.map(|plan| float_levels(&Descriptor::from(plan)));

@@ -1,4 +1,4 @@
-//! Walls of the plan that stand, and those that one looks through.
+//! Walls of the plan that stand, and those that are absent.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! Dual-fisheye frames rendered from a floor plan: the plan's walls and glazing as a storey of concrete with
+//! Dual-fisheye frames rendered from a floor plan: the plan's walls and glazing as a floor of concrete with
 //! windows, through the lenses of a calibration.
 //!
 //! Everything is drawn by the renderer itself, from seeds: the same options give the same bytes on every
