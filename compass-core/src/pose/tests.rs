@@ -1,6 +1,7 @@
 use super::*;
 use crate::base::ladder::RANGES;
 use crate::base::num::{BINS, Metres, Nats, Point, Turn};
+use crate::base::pose::Separation;
 use crate::base::raster::BitMask;
 use crate::base::scan::{Hit, MAX_STEPS, Scan};
 use crate::map::plan::{Frame, Plan, pack, packed_len};
@@ -193,7 +194,9 @@ fn a_small_pool_keeps_the_best() {
     assert_eq!(all[0].at, all[1].at, "both layers are kept");
     let mut layers = [layer; 2];
     let floors = |layers: &[FloorLayer<'_>], all: &[ScoredPose]| answer(layers, &mut all.to_vec()).modes()[1];
-    assert!(!floors(&layers, &all[..used]).is_near(&all[0], Metres::ONE, Turn::from_ratio(20, 360)));
+    let (first, second) = (all[0], floors(&layers, &all[..used]));
+    let separation = Separation { distance: Metres::ONE, turn: Turn::from_ratio(20, 360) };
+    assert!(!separation.is_near(second.place(), first.place()));
     layers[1].floor = 1;
     assert_eq!(floors(&layers, &all[..used]), all[1]);
     for len in [1, 2, 3, 7, 100] {
