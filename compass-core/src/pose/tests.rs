@@ -1,5 +1,5 @@
 use super::*;
-use crate::base::ladder::RANGES;
+use crate::base::ladder::RANGE_RUNGS;
 use crate::base::num::{BINS, Metres, Nats, Point, Turn};
 use crate::base::pose::Separation;
 use crate::base::raster::BitMask;
@@ -99,7 +99,7 @@ pub(crate) fn evidence(scan: &Scan, random: &mut impl FnMut() -> u32) -> Box<Evi
         let steps = if fate < 13 { wrong as u16 } else { scan.steps[bin] };
         let seen = plane_of(steps, scan.hit[bin]);
         for plane in 0..PLANES as u8 {
-            let kind = |plane: u8| usize::from(plane) / RANGES;
+            let kind = |plane: u8| usize::from(plane) / RANGE_RUNGS;
             let off = if kind(plane) == kind(seen) { plane.abs_diff(seen) } else { 255 };
             table.set(plane, bin, Nats::from_bits((40 - 12 * i32::from(off)).max(-16)));
         }

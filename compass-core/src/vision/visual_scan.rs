@@ -3,12 +3,9 @@
 use crate::base::circle::Circle;
 use crate::base::confidence::Confidence;
 use crate::base::num::BINS;
-use crate::base::scan::{Hit, MAX_STEPS, STEPS_PER_METRE, Scan};
+use crate::base::scan::{Hit, MAX_RANGE_M, MAX_STEPS, STEPS_PER_METRE, Scan};
 use crate::vision::boundary::RangeLikelihoods;
 use crate::vision::windows::WindowEvidence;
-
-/// Beyond this range, metres, the plan has nothing: [`Hit::Open`].
-const FARTHEST_M: f32 = 30.0;
 
 /// The likeliest range and hit type of every direction, and how sure they are: what the paper's descriptor is made of.
 ///
@@ -23,7 +20,7 @@ pub fn scan(ranges: &RangeLikelihoods, height: i8, sighting: &WindowEvidence) ->
     let rays = scan.steps.iter_mut().zip(&mut scan.hit).zip(&mut confidence);
     for (bin, (((steps, hit), confidence), (looks, sure))) in rays.zip(seen).enumerate() {
         let Some(range) = nearest(&found, bin) else { continue };
-        let open = range.metres >= FARTHEST_M;
+        let open = range.metres >= MAX_RANGE_M;
         *steps = if open { MAX_STEPS } else { steps_of(range.metres) };
         *hit = if open { Hit::Open } else { *looks };
         if found.get(bin).is_some() {

@@ -1,8 +1,7 @@
 //! From edges to likelihoods of ranges.
 
 use super::{BINS, LEAD, RUNGS};
-use crate::base::ladder::RANGES;
-use crate::base::ladder::{RUNG, height_rungs};
+use crate::base::ladder::{NEAREST_M, RANGE_RUNGS, RUNG, height_rungs};
 use crate::base::num::{CellNats, ToFloat as _};
 use bytemuck::{Pod, Zeroable};
 
@@ -13,7 +12,7 @@ const ROOMS_M: [f32; 2] = [2.0, 4.5];
 /// Share of directions in which what is seen says nothing of the plan, in 1/10.
 const OUTLIERS_TENTHS: u32 = 3;
 /// A range is one of so many, as likely as each other before looking.
-const CHOICES: u32 = RANGES as u32;
+const CHOICES: u32 = RANGE_RUNGS as u32;
 /// Rungs on either side of the best that still count as agreeing with it.
 const AGREEING: usize = 2;
 
@@ -23,8 +22,8 @@ static PRIOR: [i16; RUNGS] = {
     let mut prior = [0; RUNGS];
     let mut rung = 0;
     while rung < RUNGS {
-        let x = 2 * (rung as i32 - LEAD as i32) - (RANGES as i32 - 1);
-        let span = RANGES as i32 - 1;
+        let x = 2 * (rung as i32 - LEAD as i32) - (RANGE_RUNGS as i32 - 1);
+        let span = RANGE_RUNGS as i32 - 1;
         prior[rung] = ((2080 * span * x - 4592 * x * x) / (100 * span * span)) as i16;
         rung += 1;
     }
@@ -168,9 +167,6 @@ impl RangeLikelihoods {
         Some(Range { metres, confidence: mass.clamp(0.0, 1.0) })
     }
 }
-
-/// The range of the first rung of the ladder of [`crate::pose`], metres.
-const NEAREST_M: f32 = 0.4;
 
 /// The share of the probability that a log-likelihood ratio stands for.
 fn share(value: CellNats) -> f32 {

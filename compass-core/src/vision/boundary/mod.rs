@@ -21,7 +21,7 @@ pub use survey::{BoundaryEvidence, MAX_CEILINGS};
 
 #[cfg(doc)]
 use crate::base::ladder::NOMINAL_HEIGHT_M;
-use crate::base::ladder::RUNG;
+use crate::base::ladder::{NEAREST_LOG, RUNG};
 use crate::base::num::BINS;
 use crate::base::raster::GrayImage;
 use crate::vision::camera::Rig;
@@ -32,9 +32,10 @@ use crate::vision::sample::ExclusionMask;
 pub const RUNGS: usize = 90;
 /// Floor and ceiling.
 const SURFACES: usize = 2;
-/// Log of the nearer end of rung 0, in camera heights: the middle of rung [`LEAD`] is 0.4 m for [`NOMINAL_HEIGHT_M`].
-const DEEPEST: f32 = -1.321_756 - (LEAD as f32 + 0.5) * RUNG;
-/// Rungs below the one of 0.4 m at the nominal height.
+/// Log of the nearer end of rung 0, in camera heights: the middle of rung [`LEAD`] is rung 0 of the range ladder for
+/// [`NOMINAL_HEIGHT_M`].
+const DEEPEST: f32 = NEAREST_LOG - (LEAD as f32 + 0.5) * RUNG;
+/// Rungs below rung 0 of the range ladder at the nominal height.
 const LEAD: usize = 9;
 /// Bytes of [`Buffers::edges`] and of [`Buffers::support`].
 pub const CELLS: usize = SURFACES * RUNGS * BINS;
