@@ -15,7 +15,7 @@ pub use arc::Arc;
 pub use axes::{Axes, building_axes};
 pub use search::{LEAST_INLIERS, Parameters, UpHint, vertical};
 
-use crate::vision::camera::Bearing;
+use crate::vision::camera::{Bearing, PerCamera};
 
 /// Bound of the angle to the direction that real-valued arithmetic refines from the same segments, degrees.
 pub const UP_ERROR_DEG: f32 = 0.02;
@@ -26,7 +26,7 @@ pub struct Vertical {
     /// Unit vector in camera 0.
     pub up: Bearing,
     /// Segments of each camera that point to it.
-    pub inliers: [u16; 2],
+    pub inliers: PerCamera<u16>,
     /// Their weight, degrees of arc.
     pub support: f32,
     /// The same of the next best direction: the larger it is beside `support`, the less sure which is the vertical.

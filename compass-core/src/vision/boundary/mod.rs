@@ -26,6 +26,7 @@ use crate::base::num::BINS;
 use crate::base::raster::GrayImage;
 use crate::vision::camera::Rig;
 use crate::vision::level_frame::LevelFrame;
+use crate::vision::projector::CameraView;
 use crate::vision::sample::ExclusionMask;
 
 /// Rungs of the ladder in camera heights.
@@ -81,7 +82,8 @@ impl<'a, 'r> BoundaryFinder<'a, 'r> {
     /// # Cost
     /// Per surface two looks a bin of 91 samples, each a mean of at most 4.
     pub fn add(&mut self, camera: usize, image: &GrayImage<'_>, red: ExclusionMask<'_>) {
-        polar::draw(self.buffers.edges, self.rig, camera, self.level, (image, red));
+        let seen = CameraView { rig: self.rig, camera, level: self.level, image, excluded: red };
+        polar::draw(self.buffers.edges, &seen);
     }
 
     /// Turns what was seen into evidence, in the lent [`Buffers::support`].

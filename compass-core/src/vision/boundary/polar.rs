@@ -6,10 +6,8 @@
 
 use super::{BINS, DEEPEST, RUNGS, SURFACES};
 use crate::base::raster::GrayImage;
-use crate::vision::camera::Rig;
-use crate::vision::level_frame::LevelFrame;
 use crate::vision::panorama::Resolution;
-use crate::vision::projector::{Node, Projector};
+use crate::vision::projector::{CameraView, Node, Projector};
 use crate::vision::sample::{ExclusionMask, SUBPIXEL, sample_bilinear};
 
 /// The projection is computed every so many degrees of azimuth, and interpolated between.
@@ -36,14 +34,8 @@ const MOST_EDGE: u8 = 254;
 
 /// Adds what one camera sees to `edges`: per surface (floor, ceiling), rung and bin, 0 where nothing is known, else 1
 /// + the difference between the gray levels at the rung's nearer and farther end.
-pub(super) fn draw(
-    edges: &mut [u8],
-    rig: &Rig,
-    camera: usize,
-    level: LevelFrame,
-    (image, red): (&GrayImage<'_>, ExclusionMask<'_>),
-) {
-    let (Some(projector), Some(view)) = (Projector::new(rig, camera, level), rig.view(camera)) else {
+pub(super) fn draw(edges: &mut [u8], seen: &CameraView<'_>) {
+    let (Some(projector), Some(view)) = (Projector::new(seen), seen.rig.view(seen.camera)) else {
         return;
     };
     let looks: &[_] = if Resolution::of(view) == Resolution::COARSE { &COARSE_LOOKS } else { &LOOKS };
@@ -62,7 +54,7 @@ pub(super) fn draw(
             if right.iter().zip(&left).any(|(r, l)| r.lead > 0 || l.lead > 0) {
                 for &(across, bin) in looks {
                     let mut samples = [0; RUNGS + 1];
-                    sample(&mut samples, (&right, &left), across, image, red);
+                    sample(&mut samples, (&right, &left), across, seen.image, seen.excluded);
                     store(edges, (column * GRID_DEG + bin) % BINS, &samples);
                 }
             }
