@@ -3,7 +3,7 @@
 //! Phases are kept, so two sketches can be laid over each other at any heading. It serves a board
 //! that cannot hold an index: all candidates are ranked by their sketches, the best are scored fully.
 
-use super::Channel;
+use super::channels::Channel;
 #[cfg(test)]
 use crate::base::num::BINS;
 use crate::base::num::{degree_cosine, degree_sine};

@@ -14,9 +14,11 @@
 
 use crate::base::num::{LogWeight, Metres, Nats, Point, ToFloat as _, Turn};
 use crate::base::order;
-use crate::base::pose::Separation;
+use crate::base::pose::{ScoredPose, Separation};
 use crate::base::scan::Hit;
-use crate::pose::{EvidenceTable, FloorLayer, ScoredPose, refine};
+use crate::pose::evidence::EvidenceTable;
+use crate::pose::refine::refine;
+use crate::pose::search::FloorLayer;
 use core::f32::consts::PI;
 use heapless::Vec;
 

@@ -1,7 +1,7 @@
 //! The vertical vanishing point.
 
-use super::arc::sharpness;
-use super::{Arc, Vertical, degrees};
+use super::arc::{Arc, degrees, sharpness};
+use super::vertical::Vertical;
 use crate::vision::camera::{Bearing, PerCamera};
 use heapless::Vec;
 use nalgebra::{Matrix3, Vector3};

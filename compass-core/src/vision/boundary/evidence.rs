@@ -1,8 +1,8 @@
 //! From edges to likelihoods of ranges.
 
-use super::{BINS, LEAD, RUNGS};
+use super::{LEAD, RUNGS};
 use crate::base::ladder::{NEAREST_M, RANGE_RUNGS, RUNG, height_rungs};
-use crate::base::num::{CellNats, ToFloat as _};
+use crate::base::num::{BINS, CellNats, ToFloat as _};
 use bytemuck::{Pod, Zeroable};
 
 /// Rungs by which the ceiling may lie higher above the camera than the floor below it.

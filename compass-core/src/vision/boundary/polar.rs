@@ -4,7 +4,9 @@
 //! `u` stand for equal steps of log range whatever the height of the camera: another height is a shift by rows. The
 //! ceiling is the same upside down, with its own height above the camera.
 
-use super::{BINS, DEEPEST, RUNGS, SURFACES};
+use super::{DEEPEST, RUNGS, SURFACES};
+use crate::base::ladder::RUNG;
+use crate::base::num::BINS;
 use crate::base::raster::GrayImage;
 use crate::vision::panorama::Resolution;
 use crate::vision::projector::{CameraView, Node, Projector};
@@ -65,7 +67,7 @@ pub(super) fn draw(edges: &mut [u8], seen: &CameraView<'_>) {
 
 /// Sine and cosine of the elevation of the nearer end of a rung.
 fn elevation(rung: usize) -> (f32, f32) {
-    let cot = libm::expf(DEEPEST + rung as f32 * super::RUNG);
+    let cot = libm::expf(DEEPEST + rung as f32 * RUNG);
     let length = libm::sqrtf(1.0 + cot * cot);
     (1.0 / length, cot / length)
 }

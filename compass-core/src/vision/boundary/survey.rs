@@ -1,7 +1,9 @@
 //! What is seen of floor and ceiling, before it is decided how high the ceiling is.
 
-use super::{BINS, CELLS, RUNGS, RangeLikelihoods, evidence};
+use super::evidence::{self, RangeLikelihoods};
+use super::{CELLS, RUNGS};
 use crate::base::ladder::height_m;
+use crate::base::num::BINS;
 use core::cmp::Reverse;
 use heapless::Vec;
 
@@ -46,7 +48,7 @@ impl<'a> BoundaryEvidence<'a> {
 
     /// Heights that the ceiling may have, the likeliest first: those at which more directions see both boundaries at one
     /// range than at the heights beside. In rungs that it lies higher above the camera than the floor below; a known
-    /// height of the camera, in [rungs](super::height_rungs), bounds the room.
+    /// height of the camera, in [rungs](crate::base::ladder::height_rungs), bounds the room.
     ///
     /// # Cost
     /// A pass over a third of the cells for each height that the ceiling may have: 45.
