@@ -44,7 +44,7 @@ pub struct Rows<const N: usize> {
 }
 
 impl<const N: usize> Rows<N> {
-    /// EvidenceTable bins of one bin.
+    /// Bins of the table in one bin.
     pub const STRIDE: usize = {
         assert!(N > 0 && BINS.is_multiple_of(N) && N.is_multiple_of(2), "N divides 360 and is even");
         BINS / N

@@ -2,7 +2,7 @@
 
 use super::{LEAD, RUNGS};
 use crate::base::ladder::{NEAREST_M, RANGE_RUNGS, RUNG, height_rungs};
-use crate::base::num::{BINS, CellNats, ToFloat as _};
+use crate::base::num::{BINS, CellNats, Nats, ToFloat as _};
 use bytemuck::{Pod, Zeroable};
 
 /// Rungs by which the ceiling may lie higher above the camera than the floor below it.
@@ -186,7 +186,7 @@ pub(super) fn ceilings(height_m: f32) -> [i8; 2] {
 const ASKED: usize = 3;
 
 /// How well the directions see both boundaries at one range, if the ceiling is at a height: the sum of each one's best.
-pub(super) fn agreement(floor: &[u8], ceiling: &[u8], offset: i8) -> i32 {
+pub(super) fn agreement(floor: &[u8], ceiling: &[u8], offset: i8) -> Nats {
     let mut best = [i16::MIN; BINS / ASKED];
     for (rung, prior) in PRIOR.iter().enumerate() {
         let (floor, ceiling) = rows(floor, ceiling, rung, offset);
@@ -195,7 +195,7 @@ pub(super) fn agreement(floor: &[u8], ceiling: &[u8], offset: i8) -> i32 {
             *best = (*best).max(i16::from(*floor) + i16::from(*ceiling) + prior);
         }
     }
-    best.iter().map(|best| i32::from(*best)).sum()
+    Nats::from_bits(best.iter().map(|best| i32::from(*best)).sum())
 }
 
 /// The rows of both surfaces that a wall at a rung shows.

@@ -3,7 +3,7 @@
 use super::evidence::{self, RangeLikelihoods};
 use super::{CELLS, RUNGS};
 use crate::base::ladder::height_m;
-use crate::base::num::BINS;
+use crate::base::num::{BINS, Nats};
 use core::cmp::Reverse;
 use heapless::Vec;
 
@@ -56,11 +56,12 @@ impl<'a> BoundaryEvidence<'a> {
     pub fn ceilings(&self, height: Option<i8>) -> Vec<i8, MAX_CEILINGS> {
         let [least, most] = height.map_or(evidence::CEILINGS, |rungs| evidence::ceilings(height_m(rungs)));
         let (floor, ceiling) = self.surfaces();
-        let mut peaks: Vec<(i32, i8), MAX_CEILINGS> = Vec::new();
-        let mut former = i32::MIN;
+        let mut peaks: Vec<(Nats, i8), MAX_CEILINGS> = Vec::new();
+        let mut former = Nats::MIN;
         let mut here = evidence::agreement(floor, ceiling, least);
         for offset in least..=most {
-            let next = if offset < most { evidence::agreement(floor, ceiling, offset + 1) } else { i32::MIN };
+            let next =
+                if offset < most { evidence::agreement(floor, ceiling, offset + 1) } else { Nats::MIN };
             if here > former && here >= next {
                 insert(&mut peaks, (here, offset));
             }
@@ -93,8 +94,8 @@ impl<'a> BoundaryEvidence<'a> {
 }
 
 /// Keeps the highest; of equal ones the lower ceiling, which comes first.
-fn insert(peaks: &mut Vec<(i32, i8), MAX_CEILINGS>, mut new: (i32, i8)) {
-    let order = |(agreement, offset): (i32, i8)| (agreement, Reverse(offset));
+fn insert(peaks: &mut Vec<(Nats, i8), MAX_CEILINGS>, mut new: (Nats, i8)) {
+    let order = |(agreement, offset): (Nats, i8)| (agreement, Reverse(offset));
     for peak in peaks.iter_mut() {
         // From the first that is lower on, each gives way to the one before it.
         if order(new) > order(*peak) {
