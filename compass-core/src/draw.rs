@@ -54,7 +54,7 @@ pub fn scan<D: DrawTarget>(
         if i64::from(steps) > full_scale {
             return None;
         }
-        let (cos, sin) = Turn::from_ratio(bin as i64, BINS as u32).cos_sin();
+        let (cos, sin) = Turn::from_bin(bin).cos_sin();
         let along = |unit: i32| (((i64::from(steps) * radius / full_scale) * i64::from(unit)) >> 30) as i32;
         // Heading up, counter-clockwise to the left.
         let at = centre + Point::new(-along(sin.to_bits()), -along(cos.to_bits()));

@@ -1,31 +1,41 @@
-//! The ladder of ranges: 72 rungs from 0.4 m to 30 m in equal ratios, and heights counted in the same ratio.
+//! The ladder of ranges: rungs in equal ratios from [`NEAREST_MM`] to the largest range of a scan, and heights counted in
+//! the same ratio.
 
 use super::scan::{MAX_STEPS, STEP_MM};
 
-/// Rungs of range: 0.4 m to 30 m in equal ratios of 6.3 %.
-pub const RANGES: usize = 72;
-/// Natural logarithm of the ratio of neighbouring rungs: 71 of them make 0.4 m to 30 m (6.3 % each).
+/// Rungs of range.
+pub const RANGE_RUNGS: usize = 72;
+/// Range of rung 0, millimetres.
+pub const NEAREST_MM: u32 = 400;
+/// Range of rung 0, metres.
+pub const NEAREST_M: f32 = NEAREST_MM as f32 / 1000.0;
+/// Natural logarithm of the ratio of neighbouring rungs, 6.3 %: of that of the last to the first, by their number less 1.
 pub const RUNG: f32 = 0.060_809_69;
 /// Height, in metres, that rungs are counted for: others are shifts.
 pub const NOMINAL_HEIGHT_M: f32 = 1.5;
+/// Natural logarithm of [`NEAREST_M`] in nominal heights.
+pub(crate) const NEAREST_LOG: f32 = -1.321_756;
 /// Least and largest height of the camera that can be told or tried, metres.
 pub const HEIGHTS_M: [f32; 2] = [0.55, 2.4];
 
 /// Fractional bits of a position between rungs.
 pub(crate) const FRACTION_BITS: u32 = 8;
 /// March steps of rung 0.
-const NEAREST: u32 = 400 / STEP_MM;
+const NEAREST: u32 = NEAREST_MM / STEP_MM;
+/// Range of the last rung in ranges of rung 0.
+const SPAN: u32 = MAX_STEPS as u32 / NEAREST;
 
-/// Ranges of the rungs in millimetres, rounded to the nearest: rung k lies at 0.4 m x 75^(k / 71).
-pub static RUNG_MM: [u16; RANGES] = {
-    let mut rungs = [0; RANGES];
+/// Ranges of the rungs in millimetres, rounded to the nearest: rung k lies at
+/// `nearest span^(k / (RANGE_RUNGS - 1))`.
+pub static RUNG_MM: [u16; RANGE_RUNGS] = {
+    let mut rungs = [0; RANGE_RUNGS];
     let mut rung = 0;
-    while rung < RANGES {
+    while rung < RANGE_RUNGS {
         // The first range whose upper half millimetre lies beyond the rung.
-        let (mut below, mut beyond) = (NEAREST * STEP_MM - 1, MAX_STEPS as u32 * STEP_MM);
+        let (mut below, mut beyond) = (NEAREST_MM - 1, MAX_STEPS as u32 * STEP_MM);
         while beyond - below > 1 {
             let mm = below.midpoint(beyond);
-            let half_up = position(2 * mm + 1, 2 * NEAREST * STEP_MM, 16);
+            let half_up = position(2 * mm + 1, 2 * NEAREST_MM, 16);
             *(if half_up > (rung as u64) << 16 { &mut beyond } else { &mut below }) = mm;
         }
         rungs[rung] = beyond as u16;
@@ -45,10 +55,10 @@ static POSITIONS: [u16; MAX_STEPS as usize + 1] = {
     positions
 };
 
-/// `71 log(range / nearest) / log(75)` with these fractional bits, rounded to the nearest.
+/// `(RANGE_RUNGS - 1) log(range / nearest) / log(SPAN)` with these fractional bits, rounded to the nearest.
 const fn position(range: u32, nearest: u32, bits: u32) -> u64 {
-    const WHOLE: u128 = log2(75) as u128;
-    let part = (log2(range) - log2(nearest)) as u128 * (RANGES as u128 - 1);
+    const WHOLE: u128 = log2(SPAN) as u128;
+    let part = (log2(range) - log2(nearest)) as u128 * (RANGE_RUNGS as u128 - 1);
     (((part << bits) + WHOLE / 2) / WHOLE) as u64
 }
 
@@ -72,7 +82,7 @@ const fn log2(value: u32) -> u64 {
     log
 }
 
-/// Position among the rungs, Q8, of 0..=71; ranges beyond 30 m count as 30 m.
+/// Position among the rungs, Q8, of `0..RANGE_RUNGS`; larger ranges than [`MAX_STEPS`] count as that.
 pub(crate) const fn position_of(steps: u16) -> u16 {
     POSITIONS[if steps < MAX_STEPS { steps } else { MAX_STEPS } as usize]
 }
@@ -101,5 +111,12 @@ mod tests {
             assert!((f64::from(mm) - expected).abs() <= 0.5001, "rung {k}: {mm} mm, not {expected}");
         }
         assert_eq!((RUNG_MM[0], RUNG_MM[71]), (400, 30_000));
+    }
+
+    #[test]
+    fn logarithms_are_those_of_the_ladder() {
+        assert_eq!(RUNG, (75f64.ln() / 71.0) as f32);
+        let nearest = (0.4f64 / 1.5).ln();
+        assert!((f64::from(NEAREST_LOG) - nearest).abs() < 5e-7, "{NEAREST_LOG}, not {nearest}");
     }
 }

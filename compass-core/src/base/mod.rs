@@ -1,5 +1,6 @@
 //! The vocabulary of all wings; no algorithm of the field.
 
+pub mod circle;
 pub mod confidence;
 pub mod crc;
 pub mod ladder;

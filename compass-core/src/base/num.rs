@@ -152,7 +152,7 @@ impl Turn {
 
     /// `numerator / denominator` of a turn, rounded to the nearest; any sign. A zero denominator gives 0.
     ///
-    /// Whole degrees are `from_ratio(degrees, 360)`, microdegrees `from_ratio(micro, 360_000_000)`.
+    /// Microdegrees are `from_ratio(micro, 360_000_000)`.
     #[must_use]
     pub const fn from_ratio(numerator: i64, denominator: u32) -> Self {
         if denominator == 0 {
@@ -162,6 +162,24 @@ impl Turn {
         let reduced = numerator.rem_euclid(denominator) as u64;
         let half = denominator as u64 / 2;
         Self((((reduced << 32) + half) / denominator as u64) as u32)
+    }
+
+    /// Whole degrees of any sign, rounded to the nearest 2^-32 of a turn.
+    #[must_use]
+    pub const fn from_degrees(degrees: i64) -> Self {
+        Self::from_ratio(degrees, BINS as u32)
+    }
+
+    /// The direction of a bin from bin 0.
+    #[must_use]
+    pub const fn from_bin(bin: usize) -> Self {
+        Self::from_degrees((bin % BINS) as i64)
+    }
+
+    /// The nearest bin to a direction from bin 0, below 360.
+    #[must_use]
+    pub const fn to_bin(self) -> usize {
+        ((self.0 as u64 * BINS as u64 + (1 << 31)) >> 32) as usize % BINS
     }
 
     /// The angle in whole degrees and the rest: `(degrees in 0..360, rest in turn bits)`.
@@ -256,8 +274,14 @@ const SINE: [i32; 91] = {
     table
 };
 
-/// Sine of whole degrees below 360 in Q30, at compile time.
+/// Cosine of whole degrees in Q30, at compile time.
+pub(crate) const fn degree_cosine(degrees: usize) -> i32 {
+    degree_sine(degrees + 90)
+}
+
+/// Sine of whole degrees in Q30, at compile time.
 pub(crate) const fn degree_sine(degrees: usize) -> i32 {
+    let degrees = degrees % BINS;
     let within = degrees % 90;
     match degrees / 90 {
         0 => SINE[within],
@@ -329,7 +353,8 @@ mod tests {
     #[test]
     fn turn_round_trips_degrees() {
         for degrees in -720_i64..720 {
-            let turn = Turn::from_ratio(degrees, 360);
+            let turn = Turn::from_degrees(degrees);
+            assert_eq!(turn.to_bin(), degrees.rem_euclid(360) as usize);
             assert_eq!(i64::from(turn.to_microdegrees()), degrees.rem_euclid(360) * 1_000_000);
         }
         assert_eq!(Turn::from_ratio(5, 0), Turn::ZERO);

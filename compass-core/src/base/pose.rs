@@ -1,9 +1,62 @@
-//! Poses that count as apart.
+//! Poses, and poses that count as apart.
 
-use super::num::{Metres, Point, Turn};
+use super::num::{Metres, Nats, Point, Turn};
+use core::cmp::Reverse;
 
 /// Largest number of alternatives of an answer, the best included.
 pub const MAX_ALTERNATIVES: usize = 10;
+
+/// Where camera 0 is, and where it looks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Pose {
+    /// Number of the floor, in the order of the site; all layers of one floor share its coordinates.
+    pub floor: u8,
+    /// Position on the map.
+    pub at: Point,
+    /// Direction of bin 0, that of the optical axis projected on the floor: counter-clockwise from +x.
+    pub heading: Turn,
+}
+
+impl Pose {
+    /// Position and heading.
+    #[must_use]
+    pub const fn place(&self) -> (Point, Turn) {
+        (self.at, self.heading)
+    }
+}
+
+/// A pose on a layer of a floor and how well it explains what was seen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ScoredPose {
+    /// Index of the [`FloorLayer`](crate::pose::FloorLayer).
+    pub layer: u8,
+    /// Position.
+    pub at: Point,
+    /// Direction of bin 0.
+    pub heading: Turn,
+    /// Log-likelihood ratio against "nothing known", of 360 bins.
+    #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
+    pub score: Nats,
+}
+
+impl ScoredPose {
+    /// A place-holder below every score.
+    pub const NONE: Self =
+        Self { layer: 0, at: Point::new(Metres::ZERO, Metres::ZERO), heading: Turn::ZERO, score: Nats::MIN };
+
+    /// Position and heading.
+    #[must_use]
+    pub const fn place(&self) -> (Point, Turn) {
+        (self.at, self.heading)
+    }
+
+    /// Higher score first; equal ones by layer, row, column and heading.
+    pub(crate) fn order(&self) -> impl Ord + use<> {
+        (Reverse(self.score), self.layer, self.at.y, self.at.x, self.heading)
+    }
+}
 
 /// How far two poses are apart at least to count as two: by distance, or by the angle between their headings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -16,23 +69,58 @@ pub struct Separation {
 
 impl Separation {
     /// Alternatives of an answer: 1 m or 20 degrees.
-    pub const ALTERNATIVES: Self = Self { distance: Metres::ONE, turn: Turn::from_ratio(20, 360) };
+    pub const ALTERNATIVES: Self = Self { distance: Metres::ONE, turn: Turn::from_degrees(20) };
+    /// Poses found by a search, before they are refined: 0.75 m or 15 degrees.
+    pub const FOUND: Self = Self { distance: Metres::lit("0.75"), turn: Turn::from_degrees(15) };
+    /// Hypotheses of a track: 0.5 m or 15 degrees.
+    pub const HYPOTHESES: Self = Self { distance: Metres::lit("0.5"), turn: Turn::from_degrees(15) };
 
-    /// Whether two poses count as one: both nearer than the distance and turned by less than the angle.
+    /// Whether two poses in one floor's coordinates count as one: not farther apart than the distance and turned by less
+    /// than the angle.
     #[must_use]
     pub fn is_near(&self, a: (Point, Turn), b: (Point, Turn)) -> bool {
-        a.1.distance(b.1) < self.turn && a.0.within(b.0, self.distance)
+        self.is_turn_near(a.1, b.1) && self.is_place_near(a.0, b.0)
+    }
+
+    /// Whether two headings lie within the angle.
+    #[must_use]
+    pub fn is_turn_near(&self, a: Turn, b: Turn) -> bool {
+        a.distance(b) < self.turn
+    }
+
+    /// Whether two positions lie within the distance.
+    #[must_use]
+    pub fn is_place_near(&self, a: Point, b: Point) -> bool {
+        a.within(b, self.distance)
+    }
+
+    /// Whether two poses count as one: on one floor, and near.
+    #[must_use]
+    pub fn joins(&self, a: &Pose, b: &Pose) -> bool {
+        a.floor == b.floor && self.is_near(a.place(), b.place())
+    }
+
+    /// Whether two poses on one layer count as one; those on two layers never do.
+    #[must_use]
+    pub fn joins_on_layer(&self, a: &ScoredPose, b: &ScoredPose) -> bool {
+        a.layer == b.layer && self.is_near(a.place(), b.place())
     }
 }
 
-/// Where camera 0 is, and where it looks.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Pose {
-    /// Number of the floor, in the order of the site.
-    pub floor: u8,
-    /// Position on the map.
-    pub at: Point,
-    /// Direction of the optical axis, projected on the floor: counter-clockwise from +x.
-    pub heading: Turn,
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn poses_are_apart_by_floor_distance_or_heading() {
+        let pose = |floor: u8, x: &str, degrees: i64| Pose {
+            floor,
+            at: Point::new(x.parse().unwrap(), Metres::ZERO),
+            heading: Turn::from_degrees(degrees),
+        };
+        let here = pose(0, "0", 355);
+        let joins = |other: Pose| Separation::FOUND.joins(&here, &other);
+        assert!(joins(pose(0, "0.75", 9)) && joins(pose(0, "-0.75", 341)));
+        assert!(!joins(pose(0, "0.76", 355)) && !joins(pose(0, "0", 10)) && !joins(pose(1, "0", 355)));
+    }
 }

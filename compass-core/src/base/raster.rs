@@ -185,7 +185,7 @@ impl<'a> RgbImage<'a> {
         self.height
     }
 
-    /// ExclusionMask, green and blue at column `x`, row `y`; black outside the image.
+    /// Red, green and blue at column `x`, row `y`; black outside the image.
     #[must_use]
     #[inline]
     pub fn pixel(&self, x: u32, y: u32) -> [u8; 3] {

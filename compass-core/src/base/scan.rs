@@ -12,7 +12,10 @@ pub const STEP_MM: u32 = 20;
 pub const MAX_STEPS: u16 = 1500;
 
 /// March steps per metre.
-pub const STEPS_PER_METRE: u16 = 50;
+pub const STEPS_PER_METRE: u16 = (1000 / STEP_MM) as u16;
+
+/// Largest range in metres.
+pub const MAX_RANGE_M: f32 = MAX_STEPS as f32 / STEPS_PER_METRE as f32;
 
 /// What a ray met first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]

@@ -2,7 +2,7 @@
 //!
 //! `R_k = sum_j v_j exp(-2 pi i j k / 360)` for k in 1..=32, with cosines and sines in Q14.
 
-use crate::base::num::BINS;
+use crate::base::num::{BINS, degree_cosine, degree_sine};
 
 /// Harmonics that the exact search bounds with.
 pub(crate) const HARMONICS: usize = 32;
@@ -17,11 +17,10 @@ static BASIS: [Pair<[i16; BINS]>; HARMONICS] = {
     while k < HARMONICS {
         let mut j = 0;
         while j < BINS {
-            let degrees = (j * (k + 1)) % BINS;
+            let degrees = j * (k + 1);
             // Q30 to Q14, rounded to the nearest.
-            basis[k][0][j] =
-                ((crate::base::num::degree_sine((degrees + 90) % BINS) + (1 << 15)) >> 16) as i16;
-            basis[k][1][j] = ((-crate::base::num::degree_sine(degrees) + (1 << 15)) >> 16) as i16;
+            basis[k][0][j] = ((degree_cosine(degrees) + (1 << 15)) >> 16) as i16;
+            basis[k][1][j] = ((-degree_sine(degrees) + (1 << 15)) >> 16) as i16;
             j += 1;
         }
         k += 1;

@@ -14,6 +14,7 @@
 //! | 6..=9 | other bins / 2, likewise |
 //! | 10..=15 | range at ranks 30, 90, 150, 210, 270, 330 of 360, half the code of the range ladder |
 
+use crate::base::circle::Circle;
 use crate::base::num::BINS;
 use crate::base::order;
 use crate::base::scan::{Hit, Scan};
@@ -34,7 +35,7 @@ impl Signature {
     #[must_use]
     pub fn new(scan: &Scan) -> Self {
         let glazed = smooth(&scan.hit);
-        let bins = glazed.iter().filter(|&&g| g).count();
+        let bins = glazed.bins().iter().filter(|&&g| g).count();
         let mut counts = Counts::default();
         counts.add_runs(&glazed);
         let mut sorted = scan.steps;
@@ -77,17 +78,18 @@ struct Counts {
 }
 
 impl Counts {
-    fn add_runs(&mut self, glazed: &[bool; BINS]) {
-        let at = |bin: usize| glazed.get(bin % BINS).copied().unwrap_or_default();
+    fn add_runs(&mut self, glazed: &Circle<bool>) {
         // Begin at a transition, so that no run is cut in two.
-        let start = (0..BINS).find(|&bin| at(bin) != at(bin + BINS - 1)).unwrap_or(0);
-        let (mut length, mut value) = (0, at(start));
+        let begins = |bin: &usize| glazed.get(*bin) != glazed.get(*bin + BINS - 1);
+        let start = (0..BINS).find(begins).unwrap_or(0);
+        let (mut length, mut value) = (0, glazed.get(start));
         for bin in start..start + BINS {
-            if at(bin) == value {
+            let here = glazed.get(bin);
+            if here == value {
                 length += 1;
             } else {
                 self.add_run(value, length);
-                (length, value) = (1, at(bin));
+                (length, value) = (1, here);
             }
         }
         self.add_run(value, length);
@@ -104,9 +106,10 @@ impl Counts {
 }
 
 /// Which bins are glazed by a circular majority of five.
-fn smooth(hit: &[Hit; BINS]) -> [bool; BINS] {
-    let glazed = |bin: usize| hit.get(bin % BINS) == Some(&Hit::Window);
-    core::array::from_fn(|bin| (0..5).filter(|offset| glazed(bin + BINS - 2 + offset)).count() >= 3)
+fn smooth(hit: &[Hit; BINS]) -> Circle<bool> {
+    let hit = Circle::of(hit);
+    let glazed = |bin: usize| hit.get(bin) == Hit::Window;
+    Circle::from_fn(|bin| (0..5).filter(|offset| glazed(bin + BINS - 2 + offset)).count() >= 3)
 }
 
 #[cfg(test)]

@@ -3,8 +3,10 @@
 //! Phases are kept, so two sketches can be laid over each other at any heading. It serves a board
 //! that cannot hold an index: all candidates are ranked by their sketches, the best are scored fully.
 
-use super::Channel;
-use crate::base::num::{BINS, degree_sine};
+use super::channels::Channel;
+#[cfg(test)]
+use crate::base::num::BINS;
+use crate::base::num::{degree_cosine, degree_sine};
 use crate::descriptor::harmonics::{Pair, harmonics};
 use crate::descriptor::similarity::{Candidate, Query};
 use crate::map::site_map::{LayerView, SKETCH_BYTES};
@@ -60,7 +62,7 @@ static TURNS: [Pair<i32>; SKETCH_POINTS] = {
     while s < SKETCH_POINTS {
         // Every 11.25 degrees, to the nearest degree: the ranking needs no more.
         let degrees = (s * 45 + 2) / 4;
-        turns[s] = [degree_sine((degrees + 90) % BINS) >> 24, degree_sine(degrees % BINS) >> 24];
+        turns[s] = [degree_cosine(degrees) >> 24, degree_sine(degrees) >> 24];
         s += 1;
     }
     turns

@@ -1,14 +1,9 @@
 //! The best poses that lie apart.
 
-use super::search::{FloorLayer, ScoredPose};
-use crate::base::num::{Metres, Nats, Turn};
+use super::search::{FloorLayer, pose_of};
+use crate::base::num::Nats;
 use crate::base::order;
-use crate::base::pose::MAX_ALTERNATIVES;
-
-/// Alternatives are at least this far apart...
-const APART: Metres = Metres::ONE;
-/// ...or this much.
-const APART_TURN: Turn = Turn::from_ratio(20, 360);
+use crate::base::pose::{MAX_ALTERNATIVES, ScoredPose, Separation};
 
 /// What was found, best first.
 #[derive(Debug, Clone)]
@@ -52,12 +47,13 @@ impl Answer {
 /// counts once, by its better layer; modes of layers that do not exist do not count.
 #[must_use]
 pub fn answer(layers: &[FloorLayer<'_>], modes: &mut [ScoredPose]) -> Answer {
-    let floor = |mode: &ScoredPose| layers.get(usize::from(mode.layer)).map(|layer| layer.floor);
     order::sort_by_key(modes, ScoredPose::order);
     let mut kept: heapless::Vec<ScoredPose, MAX_ALTERNATIVES> = heapless::Vec::new();
-    for mode in modes.iter().filter(|mode| floor(mode).is_some() && mode.score > Nats::MIN) {
-        let is_near =
-            |other: &ScoredPose| floor(other) == floor(mode) && mode.is_near(other, APART, APART_TURN);
+    for mode in modes.iter().filter(|mode| mode.score > Nats::MIN) {
+        let Some(pose) = pose_of(layers, mode) else { continue };
+        let is_near = |other: &ScoredPose| {
+            pose_of(layers, other).is_some_and(|other| Separation::ALTERNATIVES.joins(&pose, &other))
+        };
         if !kept.iter().any(is_near) && kept.push(*mode).is_err() {
             break;
         }

@@ -1,6 +1,6 @@
 //! What was seen, as log-likelihood ratios of what the plan could have there.
 
-use crate::base::ladder::{FRACTION_BITS, RANGES, position_of};
+use crate::base::ladder::{FRACTION_BITS, RANGE_RUNGS, position_of};
 use crate::base::num::{BINS, CastNats, CellNats, LogOdds, Nats, ToFloat as _};
 use crate::base::scan::Hit;
 use crate::vision::boundary::RangeLikelihoods;
@@ -8,9 +8,9 @@ use crate::vision::windows::WindowEvidence;
 use bytemuck::{Pod, Zeroable};
 
 /// Planes of a table: walls by rung, then windows by rung, then open.
-pub const PLANES: usize = 2 * RANGES + 1;
-/// The plane of "nothing within 30 m".
-pub const OPEN_PLANE: u8 = 2 * RANGES as u8;
+pub const PLANES: usize = 2 * RANGE_RUNGS + 1;
+/// The plane of "nothing within the largest range".
+pub const OPEN_PLANE: u8 = 2 * RANGE_RUNGS as u8;
 /// Largest magnitude of a value. The bits of 360 of them fit 16 bits.
 pub const LIMIT: CellNats = CellNats::lit("5.5");
 
@@ -67,9 +67,9 @@ impl EvidenceTable {
         let position = position_of(steps);
         let rung = usize::from(position >> FRACTION_BITS);
         let (first, last) = match hit {
-            Hit::Wall => (rung, RANGES - 1),
-            Hit::Window => (RANGES + rung, 2 * RANGES - 1),
-            Hit::Open => (2 * RANGES, 2 * RANGES),
+            Hit::Wall => (rung, RANGE_RUNGS - 1),
+            Hit::Window => (RANGE_RUNGS + rung, 2 * RANGE_RUNGS - 1),
+            Hit::Open => (2 * RANGE_RUNGS, 2 * RANGE_RUNGS),
         };
         let row = |plane: usize| self.values.get(plane.min(last)).unwrap_or(&[CellNats::ZERO; BINS]);
         Between {
@@ -132,13 +132,13 @@ impl Between<'_> {
     }
 }
 
-/// The plane of what a ray met: the nearest rung in the logarithm of the range, rung 0 below 0.4 m.
+/// The plane of what a ray met: the nearest rung in the logarithm of the range, rung 0 below the range of that.
 #[must_use]
 pub const fn plane_of(steps: u16, hit: Hit) -> u8 {
     let rung = ((position_of(steps) + (1 << (FRACTION_BITS - 1))) >> FRACTION_BITS) as u8;
     match hit {
         Hit::Wall => rung,
-        Hit::Window => RANGES as u8 + rung,
+        Hit::Window => RANGE_RUNGS as u8 + rung,
         Hit::Open => OPEN_PLANE,
     }
 }
@@ -163,9 +163,9 @@ pub fn weigh(ranges: &RangeLikelihoods, height: i8, sighting: &WindowEvidence, t
         }
     }
     let mut row = [Nats::ZERO; BINS];
-    for rung in 0..RANGES {
+    for rung in 0..RANGE_RUNGS {
         let range = ranges.row(rung, height);
-        for (plane, hit) in [(rung, &wall), (RANGES + rung, &window)] {
+        for (plane, hit) in [(rung, &wall), (RANGE_RUNGS + rung, &window)] {
             row.iter_mut()
                 .zip(range)
                 .zip(hit)
@@ -173,7 +173,9 @@ pub fn weigh(ranges: &RangeLikelihoods, height: i8, sighting: &WindowEvidence, t
             table.set_plane(plane as u8, &row);
         }
     }
-    row.iter_mut().zip(ranges.row(RANGES - 1, height)).for_each(|(value, range)| *value = Nats::from(*range));
+    row.iter_mut()
+        .zip(ranges.row(RANGE_RUNGS - 1, height))
+        .for_each(|(value, range)| *value = Nats::from(*range));
     table.set_plane(OPEN_PLANE, &row);
 }
 
@@ -208,7 +210,7 @@ mod tests {
             before = plane;
             let off = f64::from(plane) - exact(f64::from(steps.max(20)) * 0.02);
             assert!(off.abs() <= 0.5 + 1.0 / 256.0, "{steps} steps: {off} rungs off");
-            assert_eq!(plane_of(steps, Hit::Window), plane + RANGES as u8);
+            assert_eq!(plane_of(steps, Hit::Window), plane + RANGE_RUNGS as u8);
             assert_eq!(plane_of(steps, Hit::Open), OPEN_PLANE);
         }
         assert_eq!(
@@ -220,9 +222,9 @@ mod tests {
     #[test]
     fn between_rungs_values_are_linear() {
         let mut table = EvidenceTable::EMPTY;
-        for rung in 0..RANGES as u8 {
+        for rung in 0..RANGE_RUNGS as u8 {
             table.set(rung, 7, Nats::from_bits(rung.into()));
-            table.set(RANGES as u8 + rung, 7, -Nats::from_bits(rung.into()));
+            table.set(RANGE_RUNGS as u8 + rung, 7, -Nats::from_bits(rung.into()));
         }
         table.set(OPEN_PLANE, 7, Nats::from_bits(50));
         for steps in 1..=MAX_STEPS {

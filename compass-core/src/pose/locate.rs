@@ -6,8 +6,8 @@ use super::{
     Answer, Fix, FloorLayer, Headings, PoolEntry, ScoredPose, answer, refine, refine_coarse, refine_final,
     refine_fine,
 };
-use crate::base::num::{Metres, Turn};
 use crate::base::order;
+use crate::base::pose::Separation;
 use crate::vision::boundary::{BoundaryEvidence, MAX_CEILINGS, RangeLikelihoods};
 use crate::vision::windows::WindowEvidence;
 use core::ops::RangeInclusive;
@@ -15,10 +15,6 @@ use heapless::Vec;
 
 /// Most modes that are refined.
 pub const MAX_MODES: usize = 48;
-/// A pose found with two heights of the camera is refined with the better one: they are this near...
-const SAME: Metres = Metres::from_bits(3 << 30);
-/// ... and turned by no more than this.
-const SAME_TURN: Turn = Turn::from_ratio(15, 360);
 
 /// Where the camera's height is not known, every second rung of it is tried, 13 %, and all where the answer is not sure.
 const HEIGHT_STEPS: [usize; 2] = [2, 1];
@@ -224,7 +220,7 @@ impl Evidence<'_> {
 
 /// Adds a mode unless as many better ones are there, or a better one at the same pose.
 fn insert_if_better(found: &mut Vec<Found, MAX_MODES>, wanted: usize, new: Found) {
-    let same = |other: &ScoredPose| other.layer == new.0.layer && new.0.is_near(other, SAME, SAME_TURN);
+    let same = |other: &ScoredPose| Separation::FOUND.joins_on_layer(&new.0, other);
     if let Some(at) = found.iter().position(|(other, _)| same(other)) {
         if found.get(at).is_some_and(|(other, _)| other.score >= new.0.score) {
             return;

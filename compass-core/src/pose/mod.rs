@@ -23,13 +23,14 @@ mod search;
 pub mod track;
 pub mod wall_check;
 
+pub use crate::base::pose::ScoredPose;
 pub use answer::{Answer, answer};
 pub use evidence::{EvidenceTable, LIMIT, OPEN_PLANE, PLANES, plane_of};
 pub use fix::{Fix, SURE};
 pub use headings::Headings;
 pub use refine::{MAX_CASTS, refine, refine_coarse, refine_final, refine_fine};
 pub use rows::Rows;
-pub use search::{FloorLayer, MAX_POOL, PoolEntry, ScoredPose, search};
+pub use search::{FloorLayer, MAX_POOL, PoolEntry, search};
 
 #[cfg(test)]
 pub(crate) mod tests;

@@ -24,7 +24,7 @@ static SINES: [i16; BINS + BINS / 4] = {
     let mut sines = [0; BINS + BINS / 4];
     let mut degrees = 0;
     while degrees < sines.len() {
-        sines[degrees] = ((degree_sine(degrees % BINS) + (1 << 15)) >> 16) as i16;
+        sines[degrees] = ((degree_sine(degrees) + (1 << 15)) >> 16) as i16;
         degrees += 1;
     }
     sines
@@ -53,8 +53,7 @@ impl View {
 
     /// Looks along another heading, whole degrees from that of the cast.
     pub(super) fn turn(&mut self, heading: Turn) {
-        let degrees = (u64::from((heading - self.heading).to_bits()) * BINS as u64 + (1 << 31)) >> 32;
-        self.first = (self.first + BINS - degrees as usize % BINS) % BINS;
+        self.first = (self.first + BINS - (heading - self.heading).to_bin()) % BINS;
         self.heading = heading;
     }
 

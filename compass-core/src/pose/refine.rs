@@ -9,8 +9,9 @@
 
 use super::evidence::EvidenceTable;
 use super::parallax::View;
-use super::search::{FloorLayer, ScoredPose};
+use super::search::FloorLayer;
 use crate::base::num::{BINS, CastNats, Metres, Nats, Point, Turn};
+use crate::base::pose::ScoredPose;
 use crate::map::plan::Plan;
 use core::cmp::Reverse;
 
@@ -43,15 +44,15 @@ const DIAGONAL: [Way; 4] = [[1, 1], [-1, 1], [-1, -1], [1, -1]];
 /// Headings beside a narrow pattern's, by units that shrink with it.
 const TURNS: [i32; 2] = [1, -1];
 
-/// A pose and its score of 360 bins.
+/// A place, a heading, and the score of the rays cast from there, as one of 360 bins.
 #[derive(Debug, Clone, Copy)]
-struct Pose {
+struct Cast {
     at: Point,
     heading: Turn,
     score: CastNats,
 }
 
-impl Pose {
+impl Cast {
     fn mode(self, layer: u8) -> ScoredPose {
         let Self { at, heading, score } = self;
         ScoredPose { layer, at, heading, score: Nats::from_bits((score.to_bits() + (1 << 7)) >> 8) }
@@ -126,11 +127,11 @@ fn climb_narrow(
 
 /// Climbs through those widths of the pattern that are asked for, at each while a `neighbour` is better.
 fn climb_through(
-    mut pose: Pose,
+    mut pose: Cast,
     layer: &FloorLayer<'_>,
     wanted: impl Fn(Metres) -> bool,
-    mut neighbour: impl FnMut(&Pose, Option<Way>, Metres) -> Option<Move>,
-) -> Pose {
+    mut neighbour: impl FnMut(&Cast, Option<Way>, Metres) -> Option<Move>,
+) -> Cast {
     let spacing = Metres::from_bits((i64::from(layer.map.header().spacing_mm) << 32) / 1000);
     // Three quarters reach the middle between candidates and a little beyond.
     let mut step = spacing / 4 * 3;
@@ -152,8 +153,8 @@ fn climb_through(
 
 /// Steps along x and y.
 type Way = [i8; 2];
-/// A pose and the way that led to it.
-type Move = (Pose, Way);
+/// A cast and the way that led to it.
+type Move = (Cast, Way);
 
 fn score((pose, _): &Move) -> CastNats {
     pose.score
@@ -176,7 +177,7 @@ struct Climb<'a, const HEADINGS: usize> {
 impl<const HEADINGS: usize> Climb<'_, HEADINGS> {
     /// The best place beside this one or heading beside its own, if it is better than this; `came` is the way that led
     /// here.
-    fn neighbour(&self, pose: &Pose, came: Option<Way>, step: Metres) -> Option<Move> {
+    fn neighbour(&self, pose: &Cast, came: Option<Way>, step: Metres) -> Option<Move> {
         let look = |way: Way| Some((self.cast(beside(pose.at, way, step), pose.heading)?, way));
         let [x, y] = ALONG.map(|ways| {
             let unknown = ways.into_iter().filter(|way| !is_known(came, *way));
@@ -198,12 +199,12 @@ impl<const HEADINGS: usize> Climb<'_, HEADINGS> {
     }
 
     /// The place that seems best from here, if it is better.
-    fn glance(&self, view: &mut View, pose: &Pose, step: Metres) -> Option<Move> {
+    fn glance(&self, view: &mut View, pose: &Cast, step: Metres) -> Option<Move> {
         let seems = |way: &Way| {
             let scores = view.scores::<HEADINGS>(self.table, aside(*way, step));
             (best(beside(pose.at, *way, step), pose.heading, scores), *way)
         };
-        let is_better = |there: &Pose| there.score > pose.score;
+        let is_better = |there: &Cast| there.score > pose.score;
         let ways = ALONG.as_flattened().iter().chain(&DIAGONAL);
         let (nearby, way) = ways.map(seems).max_by_key(score).filter(|(there, _)| is_better(there))?;
         let (there, from_there) =
@@ -213,7 +214,7 @@ impl<const HEADINGS: usize> Climb<'_, HEADINGS> {
     }
 
     /// Casts rays: the best heading around one, and what is seen with it. `None` outside the plan or in a wall.
-    fn cast_view(&self, at: Point, heading: Turn) -> Option<(Pose, View)> {
+    fn cast_view(&self, at: Point, heading: Turn) -> Option<(Cast, View)> {
         let mut view = View::cast(&self.plan, at, heading, self.stride).ok()?;
         let pose = best(at, heading, view.scores::<HEADINGS>(self.table, [Metres::ZERO; 2]));
         view.turn(pose.heading);
@@ -221,7 +222,7 @@ impl<const HEADINGS: usize> Climb<'_, HEADINGS> {
     }
 
     /// The same without keeping what is seen.
-    fn cast(&self, at: Point, heading: Turn) -> Option<Pose> {
+    fn cast(&self, at: Point, heading: Turn) -> Option<Cast> {
         let mut scores = [0; HEADINGS];
         let rays = self.plan.rays(at, heading, self.stride).ok()?;
         for (bin, (steps, hit)) in (0..BINS).step_by(self.stride.max(1)).zip(rays) {
@@ -232,11 +233,11 @@ impl<const HEADINGS: usize> Climb<'_, HEADINGS> {
 }
 
 /// The best of some headings, whole degrees around one, by the bits of [`CastNats`]; of equal ones the nearest to it.
-fn best<const HEADINGS: usize>(at: Point, heading: Turn, scores: [i32; HEADINGS]) -> Pose {
+fn best<const HEADINGS: usize>(at: Point, heading: Turn, scores: [i32; HEADINGS]) -> Cast {
     let middle = (HEADINGS / 2) as i64;
     let top = (-middle..).zip(scores).max_by_key(|&(degrees, score)| (score, Reverse(degrees.abs())));
     let (degrees, score) = top.unwrap_or((0, i32::MIN));
-    Pose { at, heading: heading + Turn::from_ratio(degrees, BINS as u32), score: CastNats::from_bits(score) }
+    Cast { at, heading: heading + Turn::from_degrees(degrees), score: CastNats::from_bits(score) }
 }
 
 fn aside(way: Way, step: Metres) -> [Metres; 2] {

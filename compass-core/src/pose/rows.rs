@@ -7,7 +7,7 @@
 //! grow; they may wrap at 2^16, which the last difference undoes: 360 values reach at most 63,360.
 
 use super::evidence::{EvidenceTable, LIMIT, OPEN_PLANE, PLANES, plane_of};
-use crate::base::ladder::RANGES;
+use crate::base::ladder::RANGE_RUNGS;
 #[cfg(doc)]
 use crate::base::num::BinNats;
 use crate::base::num::{BINS, Nats};
@@ -44,7 +44,7 @@ pub struct Rows<const N: usize> {
 }
 
 impl<const N: usize> Rows<N> {
-    /// EvidenceTable bins of one bin.
+    /// Bins of the table in one bin.
     pub const STRIDE: usize = {
         assert!(N > 0 && BINS.is_multiple_of(N) && N.is_multiple_of(2), "N divides 360 and is even");
         BINS / N
@@ -123,7 +123,7 @@ impl<const N: usize> Rows<N> {
             let code = codes.get(bin).map_or(0, |code| usize::from(*code));
             let bits = windows.get(bin / 8).copied().unwrap_or(0);
             let wall = WALL_PLANES.get(code).copied().unwrap_or(OPEN_PLANE);
-            (wall + RANGES as u8 * (bits >> (bin % 8) & 1)).min(OPEN_PLANE)
+            (wall + RANGE_RUNGS as u8 * (bits >> (bin % 8) & 1)).min(OPEN_PLANE)
         })
     }
 

@@ -1,21 +1,18 @@
 //! All candidates of all layers at all headings, and the best of them that lie apart.
 
 use super::rows::Rows;
-use crate::base::num::{BINS, Metres, Nats, Point, Turn};
+use crate::base::num::{BINS, Nats, Point, Turn};
 use crate::base::order;
+use crate::base::pose::{Pose, ScoredPose, Separation};
 use crate::map::plan::Plan;
 use crate::map::site_map::{PACKED_SCAN_BYTES, SiteMap};
 use bytemuck::{Pod, Zeroable};
 use core::cmp::Reverse;
 
 /// A candidate's second heading is at least this many degrees from its best.
-const SECOND_DEGREES: usize = 20;
+const SECOND_DEGREES: usize = Separation::ALTERNATIVES.turn.to_bin();
 /// What a rough score may be too low by.
 const SLACK: Nats = Nats::lit("30");
-/// Modes of a layer are at least this far apart...
-const APART: Metres = Metres::from_bits(3 << 30);
-/// ...or this much.
-const APART_TURN: Turn = Turn::from_ratio(15, 360);
 
 /// One layer of one floor: its candidates and the plan they were cast from.
 #[derive(Debug, Clone, Copy)]
@@ -39,35 +36,10 @@ impl<'a> FloorLayer<'a> {
     }
 }
 
-/// A pose and how well it explains what was seen.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct ScoredPose {
-    /// Number of the layer.
-    pub layer: u8,
-    /// Position.
-    pub at: Point,
-    /// Direction of bin 0.
-    pub heading: Turn,
-    /// Log-likelihood ratio against "nothing known", of 360 bins.
-    #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
-    pub score: Nats,
-}
-
-impl ScoredPose {
-    /// A place-holder below every score.
-    pub const NONE: Self =
-        Self { layer: 0, at: Point::new(Metres::ZERO, Metres::ZERO), heading: Turn::ZERO, score: Nats::MIN };
-
-    /// Higher score first; equal ones by layer, row, column and heading.
-    pub(crate) fn order(&self) -> impl Ord + use<> {
-        (Reverse(self.score), self.layer, self.at.y, self.at.x, self.heading)
-    }
-
-    /// Whether the other lies within a distance and at less than an angle.
-    pub(crate) fn is_near(&self, other: &Self, distance: Metres, turn: Turn) -> bool {
-        self.heading.distance(other.heading) < turn && self.at.within(other.at, distance)
-    }
+/// Where a scored pose is; `None` if its layer does not exist.
+pub(super) fn pose_of(layers: &[FloorLayer<'_>], scored: &ScoredPose) -> Option<Pose> {
+    let floor = layers.get(usize::from(scored.layer))?.floor;
+    Some(Pose { floor, at: scored.at, heading: scored.heading })
 }
 
 /// Most places that a pool keeps.
@@ -213,8 +185,10 @@ impl Pool<'_> {
             let at = entry.position(layers);
             let is_near = |other: &PoolEntry| {
                 other.layer == entry.layer
-                    && other.heading().distance(entry.heading()) < APART_TURN
-                    && at.zip(other.position(layers)).is_some_and(|(a, b)| a.within(b, APART))
+                    && Separation::FOUND.is_turn_near(entry.heading(), other.heading())
+                    && at
+                        .zip(other.position(layers))
+                        .is_some_and(|(a, b)| Separation::FOUND.is_place_near(a, b))
             };
             if !before.iter().any(is_near) {
                 order::swap(entries, kept, next);

@@ -1,6 +1,7 @@
 use super::*;
-use crate::base::ladder::RANGES;
+use crate::base::ladder::RANGE_RUNGS;
 use crate::base::num::{BINS, Metres, Nats, Point, Turn};
+use crate::base::pose::Separation;
 use crate::base::raster::BitMask;
 use crate::base::scan::{Hit, MAX_STEPS, Scan};
 use crate::map::plan::{Frame, Plan, pack, packed_len};
@@ -98,7 +99,7 @@ pub(crate) fn evidence(scan: &Scan, random: &mut impl FnMut() -> u32) -> Box<Evi
         let steps = if fate < 13 { wrong as u16 } else { scan.steps[bin] };
         let seen = plane_of(steps, scan.hit[bin]);
         for plane in 0..PLANES as u8 {
-            let kind = |plane: u8| usize::from(plane) / RANGES;
+            let kind = |plane: u8| usize::from(plane) / RANGE_RUNGS;
             let off = if kind(plane) == kind(seen) { plane.abs_diff(seen) } else { 255 };
             table.set(plane, bin, Nats::from_bits((40 - 12 * i32::from(off)).max(-16)));
         }
@@ -202,7 +203,9 @@ fn a_small_pool_keeps_the_best() {
     assert_eq!(all[0].at, all[1].at, "both layers are kept");
     let mut layers = [layer; 2];
     let floors = |layers: &[FloorLayer<'_>], all: &[ScoredPose]| answer(layers, &mut all.to_vec()).modes()[1];
-    assert!(!floors(&layers, &all).is_near(&all[0], Metres::ONE, Turn::from_ratio(20, 360)));
+    let (first, second) = (all[0], floors(&layers, &all));
+    let separation = Separation { distance: Metres::ONE, turn: Turn::from_ratio(20, 360) };
+    assert!(!separation.is_near(second.place(), first.place()));
     layers[1].floor = 1;
     assert_eq!(floors(&layers, &all), all[1]);
     for len in [1, 2, 3, 7, 100] {

@@ -6,7 +6,7 @@
 //! them should agree before anything is taken down.
 
 use super::evidence::{EvidenceTable, OPEN_PLANE, plane_of};
-use crate::base::ladder::RANGES;
+use crate::base::ladder::RANGE_RUNGS;
 use crate::base::num::{BINS, BinNats, CellNats};
 use crate::base::scan::{Hit, Scan};
 
@@ -29,7 +29,8 @@ pub fn compare(table: &EvidenceTable, scan: &Scan) -> [BinNats; BINS] {
             let drawn = usize::from(plane_of(*steps, Hit::Wall));
             let before = best(table, bin, 0, drawn.saturating_sub(ELSEWHERE - 1));
             let here = best(table, bin, drawn.saturating_sub(HERE), drawn + HERE + 1);
-            let beyond = best(table, bin, drawn + ELSEWHERE, RANGES).max(table.get(OPEN_PLANE, bin).into());
+            let beyond =
+                best(table, bin, drawn + ELSEWHERE, RANGE_RUNGS).max(table.get(OPEN_PLANE, bin).into());
             if before <= here.max(beyond) {
                 *verdict = here - beyond;
             }
@@ -41,10 +42,10 @@ pub fn compare(table: &EvidenceTable, scan: &Scan) -> [BinNats; BINS] {
 /// The most that speaks for a wall or a window at one of some rungs.
 fn best(table: &EvidenceTable, bin: usize, from: usize, to: usize) -> BinNats {
     let at = |rung: usize| {
-        let [wall, window] = [rung, RANGES + rung].map(|plane| table.get(plane as u8, bin));
+        let [wall, window] = [rung, RANGE_RUNGS + rung].map(|plane| table.get(plane as u8, bin));
         BinNats::from(wall.max(window))
     };
-    (from..to.min(RANGES)).map(at).max().unwrap_or(CellNats::MIN.into())
+    (from..to.min(RANGE_RUNGS)).map(at).max().unwrap_or(CellNats::MIN.into())
 }
 
 #[cfg(test)]
@@ -60,7 +61,7 @@ mod tests {
         let mut table = Box::new(EvidenceTable::EMPTY);
         table.set(drawn + 1, 0, Nats::from_bits(50));
         table.set(drawn + 9, 1, Nats::from_bits(40));
-        table.set(RANGES as u8 + drawn + 9, 2, Nats::from_bits(30));
+        table.set(RANGE_RUNGS as u8 + drawn + 9, 2, Nats::from_bits(30));
         table.set(drawn - 9, 3, Nats::from_bits(60));
         table.set(drawn + 9, 3, Nats::from_bits(50));
         table.set(OPEN_PLANE, 4, Nats::from_bits(20));

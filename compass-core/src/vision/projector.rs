@@ -1,7 +1,8 @@
 //! Projection of bearings of the level frame into one camera of a rig, on a coarse grid of nodes.
 
 use super::level_frame::{LevelFrame, NOMINAL_RANGE_M};
-use super::sample::SUBPIXEL;
+use super::sample::{ExclusionMask, SUBPIXEL};
+use crate::base::raster::GrayImage;
 use crate::vision::camera::{Bearing, Rig, View};
 
 /// Bearings further than this from a camera's axis are left to nobody: cosine of 95 degrees.
@@ -9,6 +10,21 @@ pub(crate) const RIM_COS: f32 = -0.087_155_74;
 /// Nodes that trail by more border on no cell that is this camera's: between opposite corners of 4 by 4 degrees a lead
 /// changes by at most twice the sine of 5.7 degrees, and by very little for the cameras' distance.
 const BEHIND: f32 = -0.22;
+
+/// One camera of a rig and what is looked at with it.
+#[derive(Clone, Copy)]
+pub(crate) struct CameraView<'a> {
+    /// All cameras that are in use: the one nearest to a bearing by its axis has it.
+    pub(crate) rig: &'a Rig,
+    /// Number of the camera.
+    pub(crate) camera: usize,
+    /// Axes that azimuths and elevations are measured in.
+    pub(crate) level: LevelFrame,
+    /// Its image.
+    pub(crate) image: &'a GrayImage<'a>,
+    /// Pixels that say nothing.
+    pub(crate) excluded: ExclusionMask<'a>,
+}
 
 /// Where bearings of the level frame fall in one camera's image.
 pub(crate) struct Projector<'a> {
@@ -28,8 +44,9 @@ pub(crate) struct Node {
 }
 
 impl<'a> Projector<'a> {
-    /// For one camera of a rig; `None` if it has no such camera.
-    pub(crate) fn new(rig: &'a Rig, camera: usize, level: LevelFrame) -> Option<Self> {
+    /// `None` if the rig has no such camera.
+    #[inline]
+    pub(crate) fn new(&CameraView { rig, camera, level, .. }: &CameraView<'a>) -> Option<Self> {
         Some(Self { view: rig.view(camera)?, rival: rig.view(1 - camera.min(1)), level })
     }
 

@@ -1,13 +1,11 @@
 //! What both cameras see as a scan: the likeliest range and hit type in every direction, of which the paper's descriptor is made.
 
+use crate::base::circle::Circle;
 use crate::base::confidence::Confidence;
 use crate::base::num::BINS;
-use crate::base::scan::{Hit, MAX_STEPS, STEPS_PER_METRE, Scan};
+use crate::base::scan::{Hit, MAX_RANGE_M, MAX_STEPS, STEPS_PER_METRE, Scan};
 use crate::vision::boundary::RangeLikelihoods;
 use crate::vision::windows::WindowEvidence;
-
-/// Beyond this range, metres, the plan has nothing: [`Hit::Open`].
-const FARTHEST_M: f32 = 30.0;
 
 /// The likeliest range and hit type of every direction, and how sure they are: what the paper's descriptor is made of.
 ///
@@ -17,15 +15,15 @@ const FARTHEST_M: f32 = 30.0;
 pub fn scan(ranges: &RangeLikelihoods, height: i8, sighting: &WindowEvidence) -> (Scan, Confidence) {
     let mut scan = Scan::OPEN;
     let mut confidence = [0; BINS];
-    let found: [_; BINS] = core::array::from_fn(|bin| ranges.range(bin, height));
+    let found = Circle::from_fn(|bin| ranges.range(bin, height));
     let seen = sighting.hit.iter().zip(sighting.confidence.sixteenths());
     let rays = scan.steps.iter_mut().zip(&mut scan.hit).zip(&mut confidence);
     for (bin, (((steps, hit), confidence), (looks, sure))) in rays.zip(seen).enumerate() {
         let Some(range) = nearest(&found, bin) else { continue };
-        let open = range.metres >= FARTHEST_M;
+        let open = range.metres >= MAX_RANGE_M;
         *steps = if open { MAX_STEPS } else { steps_of(range.metres) };
         *hit = if open { Hit::Open } else { *looks };
-        if found.get(bin).is_some_and(Option::is_some) {
+        if found.get(bin).is_some() {
             let sixteenths = libm::roundf(16.0 * range.confidence) as u8;
             *confidence = if *sure == 0 { sixteenths } else { sixteenths.max(1) };
         }
@@ -34,11 +32,8 @@ pub fn scan(ranges: &RangeLikelihoods, height: i8, sighting: &WindowEvidence) ->
 }
 
 /// What was found in a bin, or in the nearest one that has something.
-fn nearest<T: Copy>(found: &[Option<T>; BINS], bin: usize) -> Option<T> {
-    (0..=BINS / 2).find_map(|distance| {
-        let at = |bin: usize| found.get(bin % BINS).copied().flatten();
-        at(bin + distance).or_else(|| at(bin + BINS - distance))
-    })
+fn nearest<T: Copy>(found: &Circle<Option<T>>, bin: usize) -> Option<T> {
+    (0..=BINS / 2).find_map(|distance| found.get(bin + distance).or_else(|| found.get(bin + BINS - distance)))
 }
 
 fn steps_of(metres: f32) -> u16 {

@@ -1,6 +1,6 @@
 //! Evidence that the plan itself gives.
 
-use compass_core::base::ladder::RANGES;
+use compass_core::base::ladder::RANGE_RUNGS;
 use compass_core::base::num::Nats;
 use compass_core::base::scan::Scan;
 use compass_core::pose::evidence::EvidenceTable;
@@ -17,7 +17,7 @@ pub fn sharp(scan: &Scan, table: &mut EvidenceTable) {
     for (bin, (&steps, &hit)) in scan.steps.iter().zip(&scan.hit).enumerate() {
         let seen = plane_of(steps, hit);
         for plane in 0..PLANES as u8 {
-            let same = usize::from(plane) / RANGES == usize::from(seen) / RANGES;
+            let same = usize::from(plane) / RANGE_RUNGS == usize::from(seen) / RANGE_RUNGS;
             let off = if same { i32::from(plane.abs_diff(seen)) } else { i32::from(u8::MAX) };
             table.set(plane, bin, (RIGHT - PER_RUNG * off).max(WRONG));
         }

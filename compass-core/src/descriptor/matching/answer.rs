@@ -1,15 +1,15 @@
 //! The best matches that lie apart.
 
-use crate::base::num::{BINS, Metres, Point, Score, Turn};
+use crate::base::circle;
+use crate::base::num::{Point, Score, Turn};
 use crate::base::order;
 pub use crate::base::pose::MAX_ALTERNATIVES;
+use crate::base::pose::Separation;
 use crate::descriptor::similarity::Peak;
 use crate::map::site_map::SiteMap;
 
-/// Alternatives are at least this far apart...
-const APART: Metres = Metres::ONE;
-/// ...or this many degrees.
-const APART_DEGREES: u16 = 20;
+/// How far alternatives are apart at least.
+const APART: Separation = Separation::ALTERNATIVES;
 
 /// One candidate at one heading.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -28,7 +28,7 @@ impl Match {
     /// The heading of the query on the map.
     #[must_use]
     pub const fn heading(&self) -> Turn {
-        Turn::from_ratio(self.peak.shift as i64, BINS as u32)
+        Turn::from_bin(self.peak.shift as usize)
     }
 
     /// Higher score first; of equal ones the smaller candidate, then the smaller shift.
@@ -37,9 +37,8 @@ impl Match {
     }
 
     fn is_apart(&self, other: &Self, at: impl Fn(u32) -> Point) -> bool {
-        let turn = self.peak.shift.abs_diff(other.peak.shift);
-        let turn = turn.min((BINS as u16).saturating_sub(turn));
-        turn >= APART_DEGREES || !at(self.candidate).within(at(other.candidate), APART)
+        let turn = circle::distance(self.peak.shift.into(), other.peak.shift.into());
+        turn >= APART.turn.to_bin() || !at(self.candidate).within(at(other.candidate), APART.distance)
     }
 }
 

@@ -10,6 +10,7 @@ use super::answer::{Answer, Match, Pool};
 use super::index::{Group, Index, Rest, spectrum};
 use super::lanes::{self, LANES, Lane, POINTS, TRANSFORM_ERROR};
 use super::shortlist::top_candidates;
+use crate::base::circle;
 use crate::base::num::{BINS, Score};
 use crate::base::scan::Scan;
 use crate::descriptor::harmonics::{HARMONICS, Pair};
@@ -197,7 +198,8 @@ impl Search<'_, '_> {
 
     fn offer_if_peak(&mut self, candidate: u32, shift: usize, floor: i32) {
         let here = self.at(shift);
-        let (before, after) = (self.at((shift + BINS - 1) % BINS), self.at((shift + 1) % BINS));
+        let [before, after] = circle::beside(shift);
+        let (before, after) = (self.at(before), self.at(after));
         // A plateau counts once, by its first shift; a constant by shift 0.
         if here < floor || here < after || here < before || (here == before && shift != 0) {
             return;

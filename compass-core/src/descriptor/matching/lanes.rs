@@ -3,7 +3,7 @@
 //! The loops run over whole lanes and every factor sits in a lane array, so that compilers turn them
 //! into 16-bit vector instructions; on a core without them they are plain loops, with the same bits.
 
-use crate::base::num::{BINS, degree_sine};
+use crate::base::num::{degree_cosine, degree_sine};
 
 /// Signals side by side.
 pub(super) const LANES: usize = 32;
@@ -45,7 +45,7 @@ const fn turn(k: usize) -> [i16; 2] {
     // 5.625 degrees are no whole number of them: interpolate by the angle sum, exact to 2^-28.
     let eighths = k * 45;
     let (whole, rest) = (eighths / 8, eighths % 8);
-    let (cos, sin) = (degree_sine((whole + 90) % BINS) as i64, degree_sine(whole % BINS) as i64);
+    let (cos, sin) = (degree_cosine(whole) as i64, degree_sine(whole) as i64);
     // cos and sin of rest / 8 degrees in Q30, by their series.
     let angle = rest as i64 * 18_740_330 / 8;
     let square = (angle * angle) >> 30;

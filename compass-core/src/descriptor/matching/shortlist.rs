@@ -1,7 +1,8 @@
 //! The search of a board: sketches rank, the best are scored exactly.
 
 use super::answer::{Answer, Match, Pool};
-use crate::base::num::BINS;
+use crate::base::circle::Circle;
+use crate::base::num::{BINS, Score};
 use crate::base::scan::Scan;
 use crate::descriptor::Descriptor;
 use crate::descriptor::signature::Signature;
@@ -20,7 +21,7 @@ pub struct Board {
     candidate: Candidate,
     scan: Scan,
     descriptor: Descriptor,
-    scores: [crate::base::num::Score; BINS],
+    scores: [Score; BINS],
 }
 
 impl Board {
@@ -32,18 +33,13 @@ impl Board {
             candidate: Candidate::ZERO,
             scan: Scan::BLANK,
             descriptor: Descriptor::ZERO,
-            scores: [crate::base::num::Score::ZERO; BINS],
+            scores: [Score::ZERO; BINS],
         }
     }
 
     /// All scores of one candidate, each within [`SCORE_ERROR`](crate::descriptor::similarity::SCORE_ERROR) (exact for a masked query); the query must have
     /// been [loaded](Board::load).
-    pub fn scores(
-        &mut self,
-        query: &Query,
-        map: &SiteMap<'_>,
-        index: usize,
-    ) -> &[crate::base::num::Score; BINS] {
+    pub fn scores(&mut self, query: &Query, map: &SiteMap<'_>, index: usize) -> &[Score; BINS] {
         if let Some(record) = map.get(index) {
             record.scan(&mut self.scan);
             self.descriptor.fill(&self.scan);
@@ -75,12 +71,12 @@ impl Default for Board {
 }
 
 /// The highest local maxima around the circle, best first.
-pub(super) fn local_peaks(scores: &[crate::base::num::Score; BINS]) -> impl Iterator<Item = u16> {
-    let at = |shift: usize| scores.get(shift % BINS).copied().unwrap_or_default();
-    let mut best = [(crate::base::num::Score::MIN, 0_u16); PEAKS];
+pub(super) fn local_peaks(scores: &[Score; BINS]) -> impl Iterator<Item = u16> {
+    let scores = Circle::of(scores);
+    let mut best = [(Score::MIN, 0_u16); PEAKS];
     for shift in 0..BINS {
-        let here = at(shift);
-        if here < at(shift + 1) || here <= at(shift + BINS - 1) {
+        let here = scores.get(shift);
+        if here < scores.get(shift + 1) || here <= scores.get(shift + BINS - 1) {
             continue;
         }
         if let Some(worst) = best.iter_mut().min_by_key(|b| b.0)
@@ -90,10 +86,10 @@ pub(super) fn local_peaks(scores: &[crate::base::num::Score; BINS]) -> impl Iter
         }
     }
     // A constant has no local maximum.
-    if best.iter().all(|b| b.0 == crate::base::num::Score::MIN) {
-        best[0] = (at(0), 0);
+    if best.iter().all(|b| b.0 == Score::MIN) {
+        best[0] = (scores.get(0), 0);
     }
-    best.into_iter().filter(|b| b.0 > crate::base::num::Score::MIN).map(|b| b.1)
+    best.into_iter().filter(|b| b.0 > Score::MIN).map(|b| b.1)
 }
 
 /// Ranks all candidates by their sketches and scores the best `ranked.len()` exactly.

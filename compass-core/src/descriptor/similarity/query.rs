@@ -1,6 +1,8 @@
 //! A query descriptor prepared for scoring many candidates.
 
-use super::{Candidate, Normalizer, Profile, Similarity, Weights, cosine};
+use super::cosine::{Normalizer, cosine};
+use super::profile::{Candidate, Profile};
+use super::weights::{Similarity, Weights};
 use crate::base::confidence::Confidence;
 use crate::base::num::{BINS, Score};
 use crate::descriptor::harmonics::dot;

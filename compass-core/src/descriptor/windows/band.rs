@@ -1,8 +1,8 @@
 //! Step 1: the lens's image and the rows that may hold windows.
 
 use super::edges::Edge;
+use super::parameters::{BLACK, Parameters};
 use super::sample::{BINS, percentile};
-use super::{BLACK, Parameters};
 use crate::base::raster::GrayImage;
 use crate::vision::segments::Segment;
 

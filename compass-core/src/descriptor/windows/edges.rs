@@ -1,6 +1,6 @@
 //! Step 2 and 3: upright segments of the band, clustered to edges.
 
-use super::Parameters;
+use super::parameters::Parameters;
 use crate::base::order;
 use crate::vision::segments::Segment;
 

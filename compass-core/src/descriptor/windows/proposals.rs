@@ -2,8 +2,9 @@
 
 use super::band::Lens;
 use super::edges::Edge;
+use super::parameters::{BLACK, Parameters};
+use super::proposal::{ImageWindow, Proposal, Rejection};
 use super::sample::{Area, BINS, Samples, percentile, pixel, rows_around};
-use super::{BLACK, ImageWindow, Parameters, Proposal, Rejection};
 use crate::base::raster::GrayImage;
 
 /// Rows and columns of the band are sampled for its levels at no more than about as many places.

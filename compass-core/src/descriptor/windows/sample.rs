@@ -1,6 +1,6 @@
 //! Statistics of boxes and of the frame from a grid of samples.
 
-use super::BLACK;
+use super::parameters::BLACK;
 use crate::base::raster::GrayImage;
 
 /// Most sample points along a side of a box.

@@ -1,8 +1,9 @@
 //! Step 5: proposals at the rim and red ones go, then those that a better one overlaps.
 
 use super::band::Lens;
+use super::parameters::Parameters;
+use super::proposal::{ImageWindow, Proposal, Rejection};
 use super::sample::grid;
-use super::{ImageWindow, Parameters, Proposal, Rejection};
 use crate::base::order;
 use crate::base::raster::{GrayImage, RgbImage, is_red};
 use core::cmp::Reverse;

@@ -14,8 +14,11 @@
 
 use crate::base::num::{LogWeight, Metres, Nats, Point, ToFloat as _, Turn};
 use crate::base::order;
+use crate::base::pose::{ScoredPose, Separation};
 use crate::base::scan::Hit;
-use crate::pose::{EvidenceTable, FloorLayer, ScoredPose, refine};
+use crate::pose::evidence::EvidenceTable;
+use crate::pose::refine::refine;
+use crate::pose::search::FloorLayer;
 use core::f32::consts::PI;
 use heapless::Vec;
 
@@ -31,10 +34,6 @@ const LOSS: LogWeight = LogWeight::lit("4");
 /// Hypotheses this far below the best are dropped: were they right, the share for jumps would bring them back.
 const NEGLIGIBLE: LogWeight = LogWeight::lit("10");
 
-/// What is closer than this...
-const TOGETHER: Metres = Metres::from_bits(1 << 31);
-/// ...and this counts as one pose.
-const TOGETHER_TURN: Turn = Turn::from_ratio(15, 360);
 /// Faster than this nobody walks, metres per second.
 const FASTEST: f32 = 2.5;
 
@@ -264,7 +263,7 @@ fn offer(bank: &mut Vec<Hypothesis, MAX_HYPOTHESES>, layers: &[FloorLayer<'_>], 
     let worth = |h: &Hypothesis| i64::from(h.weight.to_bits()) + i64::from(tempered(h.mode.score).to_bits());
     let is_same = |old: &Hypothesis| {
         floor(layers, &old.mode) == floor(layers, &new.mode)
-            && old.mode.is_near(&new.mode, TOGETHER, TOGETHER_TURN)
+            && Separation::HYPOTHESES.is_near(old.mode.place(), new.mode.place())
     };
     let same = bank.iter().position(is_same);
     let slot = match same {

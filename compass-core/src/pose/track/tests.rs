@@ -31,7 +31,8 @@ fn seen(building: &Building, x: f64, y: f64, degrees: i64, seed: u32) -> (Box<Ev
 }
 
 fn is_at(estimate: Option<Estimate>, mode: &ScoredPose) -> bool {
-    estimate.is_some_and(|e| e.mode.is_near(mode, Metres::from_bits(3 << 30), TOGETHER_TURN))
+    let separation = Separation { distance: Metres::from_bits(3 << 30), turn: Turn::from_ratio(15, 360) };
+    estimate.is_some_and(|e| separation.is_near(e.mode.place(), mode.place()))
 }
 
 /// A frame of half a second.

@@ -1,6 +1,5 @@
 //! Segments as arcs of great circles.
 
-use super::degrees;
 use crate::vision::camera::{Bearing, Pixel, View};
 use crate::vision::segments::Segment;
 use bytemuck::{Pod, Zeroable};
@@ -76,4 +75,8 @@ impl Arc {
 pub(super) fn sharpness(tolerance_deg: f32) -> f32 {
     let sin = libm::sinf(tolerance_deg.clamp(0.1, 10.0) * (core::f32::consts::PI / 180.0));
     1.0 / (sin * sin)
+}
+
+pub(super) fn degrees(radians: f32) -> f32 {
+    radians * (180.0 / core::f32::consts::PI)
 }

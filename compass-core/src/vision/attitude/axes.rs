@@ -1,6 +1,6 @@
 //! The building's axes: two horizontal vanishing points at right angles.
 
-use super::{Arc, degrees};
+use super::arc::{Arc, degrees};
 use crate::vision::camera::Bearing;
 use crate::vision::level_frame::LevelFrame;
 

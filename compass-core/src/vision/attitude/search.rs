@@ -1,8 +1,8 @@
 //! The vertical vanishing point.
 
-use super::arc::sharpness;
-use super::{Arc, Vertical, degrees};
-use crate::vision::camera::Bearing;
+use super::arc::{Arc, degrees, sharpness};
+use super::vertical::Vertical;
+use crate::vision::camera::{Bearing, PerCamera};
 use heapless::Vec;
 use nalgebra::{Matrix3, Vector3};
 
@@ -140,7 +140,7 @@ impl<'a> Judge<'a> {
     }
 
     fn answer(&self, best: Peak, runner_up: f32) -> Vertical {
-        let (mut inliers, mut squares, mut weights) = ([0_u16; 2], 0.0, 0.0);
+        let (mut inliers, mut squares, mut weights) = (PerCamera::<u16>::default(), 0.0, 0.0);
         for arc in self.arcs {
             let agreement = self.agreement(arc, &best.direction);
             if agreement > 0.0 {

@@ -1,5 +1,5 @@
 use super::*;
-use crate::vision::camera::{Camera, Equidistant, Intrinsics, Rig, View};
+use crate::vision::camera::{Bearing, Camera, Equidistant, Intrinsics, Rig, View};
 use crate::vision::level_frame::LevelFrame;
 use crate::vision::segments::Segment;
 use proptest::prelude::*;

@@ -1,9 +1,8 @@
 //! From edges to likelihoods of ranges.
 
-use super::{BINS, LEAD, RUNGS};
-use crate::base::ladder::RANGES;
-use crate::base::ladder::{RUNG, height_rungs};
-use crate::base::num::{CellNats, ToFloat as _};
+use super::{LEAD, RUNGS};
+use crate::base::ladder::{NEAREST_M, RANGE_RUNGS, RUNG, height_rungs};
+use crate::base::num::{BINS, CellNats, Nats, ToFloat as _};
 use bytemuck::{Pod, Zeroable};
 
 /// Rungs by which the ceiling may lie higher above the camera than the floor below it.
@@ -13,7 +12,7 @@ const ROOMS_M: [f32; 2] = [2.0, 4.5];
 /// Share of directions in which what is seen says nothing of the plan, in 1/10.
 const OUTLIERS_TENTHS: u32 = 3;
 /// A range is one of so many, as likely as each other before looking.
-const CHOICES: u32 = RANGES as u32;
+const CHOICES: u32 = RANGE_RUNGS as u32;
 /// Rungs on either side of the best that still count as agreeing with it.
 const AGREEING: usize = 2;
 
@@ -23,8 +22,8 @@ static PRIOR: [i16; RUNGS] = {
     let mut prior = [0; RUNGS];
     let mut rung = 0;
     while rung < RUNGS {
-        let x = 2 * (rung as i32 - LEAD as i32) - (RANGES as i32 - 1);
-        let span = RANGES as i32 - 1;
+        let x = 2 * (rung as i32 - LEAD as i32) - (RANGE_RUNGS as i32 - 1);
+        let span = RANGE_RUNGS as i32 - 1;
         prior[rung] = ((2080 * span * x - 4592 * x * x) / (100 * span * span)) as i16;
         rung += 1;
     }
@@ -169,9 +168,6 @@ impl RangeLikelihoods {
     }
 }
 
-/// The range of the first rung of the ladder of [`crate::pose`], metres.
-const NEAREST_M: f32 = 0.4;
-
 /// The share of the probability that a log-likelihood ratio stands for.
 fn share(value: CellNats) -> f32 {
     let outliers = OUTLIERS_TENTHS as f32 / 10.0;
@@ -190,7 +186,7 @@ pub(super) fn ceilings(height_m: f32) -> [i8; 2] {
 const ASKED: usize = 3;
 
 /// How well the directions see both boundaries at one range, if the ceiling is at a height: the sum of each one's best.
-pub(super) fn agreement(floor: &[u8], ceiling: &[u8], offset: i8) -> i32 {
+pub(super) fn agreement(floor: &[u8], ceiling: &[u8], offset: i8) -> Nats {
     let mut best = [i16::MIN; BINS / ASKED];
     for (rung, prior) in PRIOR.iter().enumerate() {
         let (floor, ceiling) = rows(floor, ceiling, rung, offset);
@@ -199,7 +195,7 @@ pub(super) fn agreement(floor: &[u8], ceiling: &[u8], offset: i8) -> i32 {
             *best = (*best).max(i16::from(*floor) + i16::from(*ceiling) + prior);
         }
     }
-    best.iter().map(|best| i32::from(*best)).sum()
+    Nats::from_bits(best.iter().map(|best| i32::from(*best)).sum())
 }
 
 /// The rows of both surfaces that a wall at a rung shows.

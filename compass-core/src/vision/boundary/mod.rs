@@ -21,20 +21,22 @@ pub use survey::{BoundaryEvidence, MAX_CEILINGS};
 
 #[cfg(doc)]
 use crate::base::ladder::NOMINAL_HEIGHT_M;
-use crate::base::ladder::RUNG;
+use crate::base::ladder::{NEAREST_LOG, RUNG};
 use crate::base::num::BINS;
 use crate::base::raster::GrayImage;
 use crate::vision::camera::Rig;
 use crate::vision::level_frame::LevelFrame;
+use crate::vision::projector::CameraView;
 use crate::vision::sample::ExclusionMask;
 
 /// Rungs of the ladder in camera heights.
 pub const RUNGS: usize = 90;
 /// Floor and ceiling.
 const SURFACES: usize = 2;
-/// Log of the nearer end of rung 0, in camera heights: the middle of rung [`LEAD`] is 0.4 m for [`NOMINAL_HEIGHT_M`].
-const DEEPEST: f32 = -1.321_756 - (LEAD as f32 + 0.5) * RUNG;
-/// Rungs below the one of 0.4 m at the nominal height.
+/// Log of the nearer end of rung 0, in camera heights: the middle of rung [`LEAD`] is rung 0 of the range ladder for
+/// [`NOMINAL_HEIGHT_M`].
+const DEEPEST: f32 = NEAREST_LOG - (LEAD as f32 + 0.5) * RUNG;
+/// Rungs below rung 0 of the range ladder at the nominal height.
 const LEAD: usize = 9;
 /// Bytes of [`Buffers::edges`] and of [`Buffers::support`].
 pub const CELLS: usize = SURFACES * RUNGS * BINS;
@@ -80,7 +82,8 @@ impl<'a, 'r> BoundaryFinder<'a, 'r> {
     /// # Cost
     /// Per surface two looks a bin of 91 samples, each a mean of at most 4.
     pub fn add(&mut self, camera: usize, image: &GrayImage<'_>, red: ExclusionMask<'_>) {
-        polar::draw(self.buffers.edges, self.rig, camera, self.level, (image, red));
+        let seen = CameraView { rig: self.rig, camera, level: self.level, image, excluded: red };
+        polar::draw(self.buffers.edges, &seen);
     }
 
     /// Turns what was seen into evidence, in the lent [`Buffers::support`].

@@ -4,12 +4,12 @@
 //! `u` stand for equal steps of log range whatever the height of the camera: another height is a shift by rows. The
 //! ceiling is the same upside down, with its own height above the camera.
 
-use super::{BINS, DEEPEST, RUNGS, SURFACES};
+use super::{DEEPEST, RUNGS, SURFACES};
+use crate::base::ladder::RUNG;
+use crate::base::num::BINS;
 use crate::base::raster::GrayImage;
-use crate::vision::camera::Rig;
-use crate::vision::level_frame::LevelFrame;
 use crate::vision::panorama::Resolution;
-use crate::vision::projector::{Node, Projector};
+use crate::vision::projector::{CameraView, Node, Projector};
 use crate::vision::sample::{ExclusionMask, SUBPIXEL, sample_bilinear};
 
 /// The projection is computed every so many degrees of azimuth, and interpolated between.
@@ -36,14 +36,8 @@ const MOST_EDGE: u8 = 254;
 
 /// Adds what one camera sees to `edges`: per surface (floor, ceiling), rung and bin, 0 where nothing is known, else 1
 /// + the difference between the gray levels at the rung's nearer and farther end.
-pub(super) fn draw(
-    edges: &mut [u8],
-    rig: &Rig,
-    camera: usize,
-    level: LevelFrame,
-    (image, red): (&GrayImage<'_>, ExclusionMask<'_>),
-) {
-    let (Some(projector), Some(view)) = (Projector::new(rig, camera, level), rig.view(camera)) else {
+pub(super) fn draw(edges: &mut [u8], seen: &CameraView<'_>) {
+    let (Some(projector), Some(view)) = (Projector::new(seen), seen.rig.view(seen.camera)) else {
         return;
     };
     let looks: &[_] = if Resolution::of(view) == Resolution::COARSE { &COARSE_LOOKS } else { &LOOKS };
@@ -62,7 +56,7 @@ pub(super) fn draw(
             if right.iter().zip(&left).any(|(r, l)| r.lead > 0 || l.lead > 0) {
                 for &(across, bin) in looks {
                     let mut samples = [0; RUNGS + 1];
-                    sample(&mut samples, (&right, &left), across, image, red);
+                    sample(&mut samples, (&right, &left), across, seen.image, seen.excluded);
                     store(edges, (column * GRID_DEG + bin) % BINS, &samples);
                 }
             }
@@ -73,7 +67,7 @@ pub(super) fn draw(
 
 /// Sine and cosine of the elevation of the nearer end of a rung.
 fn elevation(rung: usize) -> (f32, f32) {
-    let cot = libm::expf(DEEPEST + rung as f32 * super::RUNG);
+    let cot = libm::expf(DEEPEST + rung as f32 * RUNG);
     let length = libm::sqrtf(1.0 + cot * cot);
     (1.0 / length, cot / length)
 }

@@ -3,10 +3,10 @@
 //! A boundary goes on: along a wall its rung changes by no more than a step or so per degree. An edge counts by itself,
 //! and by the strongest edges within reach in the three bins on either side.
 
-use super::{BINS, RUNGS};
-use crate::base::num::EdgeNats;
+use super::RUNGS;
 #[cfg(doc)]
 use crate::base::num::SupportNats;
+use crate::base::num::{BINS, EdgeNats};
 
 /// Edges are measured against the one that so many percent of the frame do not exceed...
 const PERCENT: u32 = 90;

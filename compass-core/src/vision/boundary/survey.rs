@@ -1,7 +1,9 @@
 //! What is seen of floor and ceiling, before it is decided how high the ceiling is.
 
-use super::{BINS, CELLS, RUNGS, RangeLikelihoods, evidence};
+use super::evidence::{self, RangeLikelihoods};
+use super::{CELLS, RUNGS};
 use crate::base::ladder::height_m;
+use crate::base::num::{BINS, Nats};
 use core::cmp::Reverse;
 use heapless::Vec;
 
@@ -46,7 +48,7 @@ impl<'a> BoundaryEvidence<'a> {
 
     /// Heights that the ceiling may have, the likeliest first: those at which more directions see both boundaries at one
     /// range than at the heights beside. In rungs that it lies higher above the camera than the floor below; a known
-    /// height of the camera, in [rungs](super::height_rungs), bounds the room.
+    /// height of the camera, in [rungs](crate::base::ladder::height_rungs), bounds the room.
     ///
     /// # Cost
     /// A pass over a third of the cells for each height that the ceiling may have: 45.
@@ -54,11 +56,12 @@ impl<'a> BoundaryEvidence<'a> {
     pub fn ceilings(&self, height: Option<i8>) -> Vec<i8, MAX_CEILINGS> {
         let [least, most] = height.map_or(evidence::CEILINGS, |rungs| evidence::ceilings(height_m(rungs)));
         let (floor, ceiling) = self.surfaces();
-        let mut peaks: Vec<(i32, i8), MAX_CEILINGS> = Vec::new();
-        let mut former = i32::MIN;
+        let mut peaks: Vec<(Nats, i8), MAX_CEILINGS> = Vec::new();
+        let mut former = Nats::MIN;
         let mut here = evidence::agreement(floor, ceiling, least);
         for offset in least..=most {
-            let next = if offset < most { evidence::agreement(floor, ceiling, offset + 1) } else { i32::MIN };
+            let next =
+                if offset < most { evidence::agreement(floor, ceiling, offset + 1) } else { Nats::MIN };
             if here > former && here >= next {
                 insert(&mut peaks, (here, offset));
             }
@@ -91,8 +94,8 @@ impl<'a> BoundaryEvidence<'a> {
 }
 
 /// Keeps the highest; of equal ones the lower ceiling, which comes first.
-fn insert(peaks: &mut Vec<(i32, i8), MAX_CEILINGS>, mut new: (i32, i8)) {
-    let order = |(agreement, offset): (i32, i8)| (agreement, Reverse(offset));
+fn insert(peaks: &mut Vec<(Nats, i8), MAX_CEILINGS>, mut new: (Nats, i8)) {
+    let order = |(agreement, offset): (Nats, i8)| (agreement, Reverse(offset));
     for peak in peaks.iter_mut() {
         // From the first that is lower on, each gives way to the one before it.
         if order(new) > order(*peak) {

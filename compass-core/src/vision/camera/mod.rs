@@ -27,7 +27,7 @@ mod rig;
 pub use equidistant::Equidistant;
 pub use eucm::Eucm;
 pub use kannala_brandt::KannalaBrandt;
-pub use rig::{Rig, View};
+pub use rig::{CAMERAS, PerCamera, Rig, View};
 
 use core::fmt;
 

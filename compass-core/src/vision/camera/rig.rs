@@ -7,6 +7,15 @@ use super::{Camera, CameraError, finite};
 /// Largest departure of a rotation's rows from orthonormal.
 const ORTHONORMAL: f32 = 1e-4;
 
+/// Cameras of a rig at most.
+pub const CAMERAS: usize = 2;
+
+/// One value for each camera of a rig, by its number.
+///
+/// It is an alias: arrays already have what values per camera are used with (`map`, `zip`, patterns), and a pattern of
+/// two cannot miss a camera.
+pub type PerCamera<T> = [T; CAMERAS];
+
 /// A camera with its image size and its place in the rig.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View {
@@ -63,7 +72,7 @@ impl defmt::Format for View {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Rig {
-    views: [Option<View>; 2],
+    views: PerCamera<Option<View>>,
 }
 
 impl Rig {
@@ -75,7 +84,7 @@ impl Rig {
     /// # Errors
     /// [`CameraError::Empty`] without a camera; [`CameraError::Size`], [`CameraError::NotFinite`] and
     /// [`CameraError::Rotation`] for a view that makes no sense.
-    pub fn new(views: [Option<View>; 2]) -> Result<Self, CameraError> {
+    pub fn new(views: PerCamera<Option<View>>) -> Result<Self, CameraError> {
         if views.iter().flatten().count() == 0 {
             return Err(CameraError::Empty);
         }

@@ -1,10 +1,13 @@
 //! Drawing: walks from each anchor along its edge, fits lines as it goes, and grows them both ways.
 
 use super::cell::{self, EDGE, INLIER, JUNCTION, NONE, OUTLIER, is_vertical, label, strength};
+use super::growth::{End, Growth, Trail};
 use super::jump::{self, Jump};
 use super::line::{Line, WINDOW, Window};
+use super::parameters::Parameters;
+use super::segment::Segment;
+use super::validate;
 use super::walk::{Cells, Position, Walker};
-use super::{Parameters, Segment, validate};
 use heapless::Vec;
 
 /// A walk ends once more pixels than this are off the line in a row.
@@ -30,53 +33,6 @@ struct Branch {
     seeds: Vec<u32, { MAX_OUTLIERS + 3 }, u8>,
 }
 
-/// A line while it grows. The head is the end it was found at, the tail the other one.
-#[derive(Debug)]
-pub(super) struct Growth {
-    pub(super) line: Line,
-    /// Last pixel, and the one before it.
-    pub(super) head: [Position; 2],
-    /// First pixel, and the one after it.
-    pub(super) tail: [Position; 2],
-    head_extended: bool,
-    tail_extended: bool,
-    /// Sense of the main axis from tail to head.
-    forward: i32,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum End {
-    Head,
-    Tail,
-}
-
-impl Growth {
-    fn end_mut(&mut self, end: End) -> (&mut [Position; 2], &mut bool) {
-        match end {
-            End::Head => (&mut self.head, &mut self.head_extended),
-            End::Tail => (&mut self.tail, &mut self.tail_extended),
-        }
-    }
-
-    #[inline(always)]
-    pub(super) fn accept(&mut self, end: End, p: Position) {
-        self.line.add(p);
-        let (pixels, extended) = self.end_mut(end);
-        *pixels = [p, pixels[0]];
-        *extended = false;
-    }
-
-    /// The direction outwards along the main axis at an end.
-    pub(super) fn outwards(&self, end: End) -> (i32, i32) {
-        let sense = if end == End::Head { self.forward } else { -self.forward };
-        let (steep, slope) = (self.line.steep, self.line.slope);
-        // A line fitted near 45 degrees may have turned to the other axis since.
-        let (steep, sense) =
-            if slope.abs() > 1 << 16 { (!steep, sense * slope.signum()) } else { (steep, sense) };
-        if steep { (0, sense) } else { (sense, 0) }
-    }
-}
-
 /// How a walk along a line ended.
 struct Stop {
     /// On a pixel drawn before.
@@ -85,44 +41,6 @@ struct Stop {
     walker: Walker,
     /// Axis of the edge at the last pixel drawn or left.
     vertical: bool,
-}
-
-/// The pixels of one branch, in the order drawn.
-#[derive(Debug)]
-pub(super) struct Trail<'a> {
-    pixels: &'a mut [u32],
-    len: usize,
-}
-
-impl<'a> Trail<'a> {
-    pub(super) fn new(pixels: &'a mut [u32]) -> Self {
-        Self { pixels, len: 0 }
-    }
-
-    #[inline(always)]
-    pub(super) fn push(&mut self, p: Position) -> bool {
-        let Some(slot) = self.pixels.get_mut(self.len) else { return false };
-        *slot = p.packed();
-        self.len += 1;
-        true
-    }
-
-    #[inline(always)]
-    fn get(&self, i: usize) -> Position {
-        Position::unpacked(self.pixels.get(i).copied().unwrap_or(0))
-    }
-
-    pub(super) fn iter(&self) -> impl DoubleEndedIterator<Item = Position> + '_ {
-        self.pixels.get(..self.len).unwrap_or(&[]).iter().map(|p| Position::unpacked(*p))
-    }
-
-    /// Forgets all but the last `keep` pixels.
-    fn keep_last(&mut self, keep: usize) {
-        let pixels = self.pixels.get_mut(..self.len).unwrap_or_default();
-        let start = pixels.len().saturating_sub(keep);
-        pixels.copy_within(start.., 0);
-        self.len -= start;
-    }
 }
 
 /// Everything that drawing needs.

@@ -1,6 +1,7 @@
-//! Sobel gradient, thresholded.
+//! Sobel gradient: thresholded magnitudes of rows, and both components at single pixels.
 
 use super::cell::{MAGNITUDE_SHIFT, VERTICAL};
+use super::walk::{Cells, Position};
 use crate::base::raster::BitMask;
 
 /// Fills the cells of one row from the smoothed rows above, at and below it.
@@ -44,4 +45,18 @@ pub(super) fn mask_row(mask: &BitMask<'_>, y: u32, cells: &mut [u16]) {
         clear(*bits, cells);
     }
     clear(bytes.next().copied().unwrap_or(0), rest);
+}
+
+/// Sobel gradient of the smoothed image at a pixel; 0 beyond the border.
+#[inline(always)]
+pub(super) fn sobel(smoothed: &[u8], cells: &Cells<'_>, p: Position) -> (i32, i32) {
+    let width = cells.width as isize;
+    let here = p.y as isize * width + p.x as isize;
+    let at = |offset: isize| smoothed.get((here + offset) as usize).copied().map_or(0, i32::from);
+    if p.x < 1 || p.y < 1 || p.x + 1 >= cells.width || p.y + 1 >= cells.height {
+        return (0, 0);
+    }
+    let falling = at(width + 1) - at(-width - 1);
+    let rising = at(1 - width) - at(width - 1);
+    (falling + rising + 2 * (at(1) - at(-1)), falling - rising + 2 * (at(width) - at(-width)))
 }

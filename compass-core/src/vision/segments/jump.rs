@@ -1,8 +1,8 @@
 //! Gap jumping: whether a line goes on beyond an interruption of a few pixels.
 
 use super::cell::strength;
-use super::draw::{End, Growth};
-use super::validate::sobel;
+use super::gradient::sobel;
+use super::growth::{End, Growth};
 use super::walk::{Cells, Position, Walker};
 use heapless::Vec;
 

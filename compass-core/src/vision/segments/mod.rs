@@ -15,65 +15,20 @@ mod anchors;
 mod cell;
 mod draw;
 mod gradient;
+mod growth;
 mod jump;
 mod line;
+mod parameters;
+mod segment;
 mod smooth;
 mod validate;
 mod walk;
 
+pub use parameters::Parameters;
+pub use segment::Segment;
+
 use crate::base::raster::{BitMask, GrayImage};
-use bytemuck::{Pod, Zeroable};
 use core::fmt;
-
-/// A line segment, in pixels; pixel centres are at integers, x to the right, y down.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[repr(C)]
-pub struct Segment {
-    /// x of the first end.
-    pub x1: f32,
-    /// y of the first end.
-    pub y1: f32,
-    /// x of the second end.
-    pub x2: f32,
-    /// y of the second end.
-    pub y2: f32,
-    /// Number of its pixels whose gradient points across it (without validation: of its pixels).
-    pub score: u32,
-}
-
-impl Segment {
-    /// For buffers.
-    pub const EMPTY: Self = Self { x1: 0.0, y1: 0.0, x2: 0.0, y2: 0.0, score: 0 };
-}
-
-/// What the detector looks for. The defaults are those of ELSED.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Parameters {
-    /// Smallest gradient magnitude |dx| + |dy| of a 3 x 3 Sobel filter, 1 to 2040.
-    pub gradient_threshold: u16,
-    /// How much an anchor's magnitude must exceed those of its neighbours across the edge, 0 to 2040.
-    pub anchor_threshold: u16,
-    /// Pixels of the first fit of a line, 8 to 15: segments are about as long at least. Small images need
-    /// small windows.
-    pub min_length: u8,
-    /// Whether lines jump gaps of up to 9 pixels.
-    pub jump: bool,
-    /// Whether segments whose gradients point elsewhere are dropped.
-    pub validate: bool,
-}
-
-impl Default for Parameters {
-    fn default() -> Self {
-        Self { gradient_threshold: 30, anchor_threshold: 8, min_length: 15, jump: true, validate: true }
-    }
-}
-
-impl Parameters {
-    fn window(&self) -> usize {
-        usize::from(self.min_length).clamp(line::LEAST_WINDOW, line::WINDOW)
-    }
-}
 
 /// The detector and the reference, which follows ELSED to the letter, each find at least this share of the length of
 /// the other's segments, within 2 px and 5 degrees, on built-up scenes.

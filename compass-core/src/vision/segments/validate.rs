@@ -1,7 +1,7 @@
 //! Validation: the gradient along a segment must point across it.
 
 use super::cell::{INLIER, label};
-use super::draw::{Growth, Trail};
+use super::growth::{Growth, Trail};
 use super::walk::{Cells, Position};
 
 /// Squared sine of 0.15 rad, the angle allowed between gradient and normal.
@@ -55,18 +55,4 @@ fn gradient_on(smoothed: &[u8], cells: &Cells<'_>, steep: bool, u: i32, v: i32) 
     // 1020 * 65536 fits.
     let mix = |a: i32, b: i32| ((a << 8) + ((b - a) * (part >> 8))) as f32;
     (mix(du0, du1), mix(dv0, dv1))
-}
-
-/// Sobel gradient of the smoothed image at a pixel; 0 beyond the border.
-#[inline(always)]
-pub(super) fn sobel(smoothed: &[u8], cells: &Cells<'_>, p: Position) -> (i32, i32) {
-    let width = cells.width as isize;
-    let here = p.y as isize * width + p.x as isize;
-    let at = |offset: isize| smoothed.get((here + offset) as usize).copied().map_or(0, i32::from);
-    if p.x < 1 || p.y < 1 || p.x + 1 >= cells.width || p.y + 1 >= cells.height {
-        return (0, 0);
-    }
-    let falling = at(width + 1) - at(-width - 1);
-    let rising = at(1 - width) - at(width - 1);
-    (falling + rising + 2 * (at(1) - at(-1)), falling - rising + 2 * (at(width) - at(-width)))
 }

@@ -23,6 +23,7 @@ use crate::base::scan::Hit;
 use crate::vision::camera::{Pixel, Rig};
 use crate::vision::level_frame::{LevelFrame, NOMINAL_RANGE_M};
 use crate::vision::panorama::{Resolution, TOP_DEG, pixels_per_degree};
+use crate::vision::projector::CameraView;
 use crate::vision::sample::ExclusionMask;
 use crate::vision::segments::{Parameters, Segment};
 use boxes::{LEAST_SCORE, Planes, WIDEST_DEG};
@@ -165,7 +166,8 @@ impl<'a, 'r> WindowFinder<'a, 'r> {
         segments: &[Segment],
     ) {
         let Some(view) = self.rig.view(camera) else { return };
-        ring::draw(self.buffers.gray, self.resolution, self.rig, camera, self.level, (image, red));
+        let seen = CameraView { rig: self.rig, camera, level: self.level, image, excluded: red };
+        ring::draw(self.buffers.gray, self.resolution, &seen);
         for upright in segments.iter().filter_map(|s| edges::upright(s, view, &self.level, self.resolution)) {
             match self.buffers.uprights.get_mut(self.uprights) {
                 Some(slot) => {

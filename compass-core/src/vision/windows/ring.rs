@@ -4,30 +4,22 @@
 //! from 180 degrees at the left border of the first; rows go down.
 
 use crate::base::raster::GrayImage;
-use crate::vision::camera::Rig;
-use crate::vision::level_frame::LevelFrame;
 use crate::vision::panorama::{Resolution, TOP_DEG};
-use crate::vision::projector::{Node, Projector};
+use crate::vision::projector::{CameraView, Node, Projector};
 use crate::vision::sample::{ExclusionMask, around, between};
 
 /// The projection is computed for every so many-th border of a cell, and interpolated between: 2 or 4 degrees.
 const SIDE: usize = 8;
 /// Most rows of that grid, both borders included.
 const GRID_ROWS: usize = Resolution::FINE.rows().div_ceil(SIDE) + 1;
+
 /// Draws what one camera sees into the ring: gray levels 1 to 255; cells that it does not see, or where safety
 /// gear is, are left as they are.
 ///
-/// The camera nearest to a bearing by its axis has it; `rig` must therefore hold those that are in use.
+/// The camera nearest to a bearing by its axis has it.
 #[inline(always)]
-pub(super) fn draw(
-    cells: &mut [u8],
-    resolution: Resolution,
-    rig: &Rig,
-    camera: usize,
-    level: LevelFrame,
-    (image, red): (&GrayImage<'_>, ExclusionMask<'_>),
-) {
-    let Some(projector) = Projector::new(rig, camera, level) else { return };
+pub(super) fn draw(cells: &mut [u8], resolution: Resolution, seen: &CameraView<'_>) {
+    let Some(projector) = Projector::new(seen) else { return };
     let grid = SIDE as i32 / resolution.per_degree() as i32;
     let angle = |from: i32, node: usize| {
         libm::sincosf((from - node as i32 * grid) as f32 * (core::f32::consts::PI / 180.0))
@@ -50,7 +42,7 @@ pub(super) fn draw(
             let (&[a, c], &[b, d]) = (left, right) else { continue };
             let corners = [a, b, c, d];
             if corners.iter().all(|n| n.usable) && corners.iter().any(|n| n.lead > 0) {
-                draw_patch(cells, resolution, (column, row), &corners, image, red);
+                draw_patch(cells, resolution, (column, row), &corners, seen.image, seen.excluded);
             }
         }
         left = right;
