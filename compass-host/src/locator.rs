@@ -160,6 +160,17 @@ impl<'a> Locator<'a> {
         Ok(segment(&mut self.0, &frames.map(|frame| frame.map(lent)))?)
     }
 
+    /// [`segment`](Self::segment) for frames that lie elsewhere, as in packed ones.
+    ///
+    /// # Errors
+    /// [`SeeError::Frames`].
+    pub fn segment_borrowed<'l, 'f>(
+        &'l mut self,
+        frames: &Frames<'f>,
+    ) -> Result<Segmented<'l, 'f, 'a>, SeeError> {
+        Ok(segment(&mut self.0, frames)?)
+    }
+
     /// The stage after all that was seen, from evidence that was kept of it.
     pub fn recall<'l>(
         &'l mut self,

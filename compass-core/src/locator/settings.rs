@@ -79,7 +79,7 @@ impl Settings {
         vertical_segments: 256,
         boxes: 1024,
         windows: 64,
-        smoothing: Smoothing::Off,
+        smoothing: Smoothing::Again,
         lens_field_mask: false,
         inlier_tolerance_deg: None,
         headings: Headings::N40,

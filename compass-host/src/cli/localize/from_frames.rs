@@ -5,10 +5,12 @@ use crate::cli::cameras::CameraArgs;
 use crate::cli::json::JsonOption;
 use crate::cli::pose::{Pose, milliseconds};
 use anyhow::{Context as _, Result};
+use compass_core::base::num::Metres;
 use compass_core::pose::{FloorLayer, ScoredPose};
-use compass_core::{Fix, Settings};
+use compass_core::vision::shot::Shot;
+use compass_core::{Bearing, ExclusionMask, Fix, Frame, HeightPrior, Settings, UpHint};
 use compass_host::clock::Clock;
-use compass_host::locator::{Locator, SeeError, Seen, see};
+use compass_host::locator::{Levelled, Locator, NoPlan, SeeError, Seen, see};
 use compass_host::output::Decimal;
 use compass_host::site_file::{SiteFile, SiteFloor};
 use compass_host::wall_check::{WallSummary, Walls};
@@ -33,6 +35,8 @@ struct Output<'a> {
     layer: &'static str,
     /// Log-likelihood ratio against knowing nothing, nats.
     score: Decimal,
+    /// Bits of x, y and heading in hexadecimal, and of the score.
+    bits: String,
     margin: Decimal,
     /// That the pose is within 1 m of the true one.
     probability: Decimal,
@@ -53,39 +57,51 @@ struct Unsure<'a> {
     candidates: Vec<Pose<'a>>,
 }
 
+/// Where frames come from.
+pub(super) enum Input<'i> {
+    /// Images and a calibration.
+    Images(&'i CameraArgs),
+    /// Packed frames, as a board reads them.
+    Shot(&'i Path),
+}
+
+/// What the frames gave.
+struct Located<'a> {
+    up: Bearing,
+    fix: Fix<'a>,
+    /// Empty if the pose is not sure enough.
+    walls: Walls,
+}
+
+/// How to localize.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Options {
+    pub(super) settings: Settings,
+    pub(super) truth: Option<([f64; 2], f64)>,
+    pub(super) least_probability: f64,
+}
+
 /// Sees, searches and reports.
-pub(super) fn run(
-    map: &Path,
-    cameras: &CameraArgs,
-    truth: Option<([f64; 2], f64)>,
-    least_probability: f64,
-    json: &JsonOption,
-) -> Result<Outcome> {
+pub(super) fn run(map: &Path, input: &Input<'_>, options: &Options, json: &JsonOption) -> Result<Outcome> {
     let mut clock = Clock::start();
     let file = SiteFile::read(map)?;
     let floors = file.floors();
+    if floors.iter().any(|floor| floor.floor.is_none()) {
+        return Err(NoPlan).with_context(|| map.display().to_string());
+    }
     clock.stage("read_map");
-    let cameras = cameras.load()?;
-    let frames = cameras.frames.each_ref().map(Option::as_ref);
-    clock.stage("read_frames");
-    let locator = Locator::new(&floors, cameras.rig, Settings::FULL);
-    let mut locator = locator.with_context(|| map.display().to_string())?;
-    let name = || cameras.name.clone();
-    let mut segmented = locator.segment(frames).with_context(name)?;
-    let up = cameras.up.resolve(&mut segmented).with_context(name)?;
-    let levelled = segmented.level(&up).map_err(SeeError::from).with_context(name)?;
-    let up = levelled.frame().up();
-    let mut seen = see(levelled);
-    let fix = seen.locate(cameras.heights());
-    let walls = walls(&fix, &mut seen, &floors);
-    clock.extend(locator.watch().milliseconds());
-    let poses: Vec<_> = fix.poses().iter().map(|m| pose(m, locator.layers(), &floors)).collect();
+    let (located, layers) = match input {
+        Input::Images(cameras) => of_images(&floors, cameras, options, &mut clock)?,
+        Input::Shot(path) => of_shot(&floors, path, options, &mut clock)?,
+    };
+    let Located { up, fix, walls } = located;
+    let poses: Vec<_> = fix.poses().iter().map(|scored| pose(scored, &layers)).collect();
     let probability = f64::from(fix.probability());
-    let Some(best) = poses.first().copied() else {
+    let (Some(best), Some(scored)) = (poses.first().copied(), fix.best()) else {
         json.emit(&Unsure { probability: Decimal(0.0), candidates: poses }, "no pose found\n")?;
         return Ok(Outcome::No);
     };
-    if probability < least_probability {
+    if probability < options.least_probability {
         let summary = format!(
             "I don't know: the likeliest of {} poses is right with a probability of {probability:.2}\n",
             poses.len()
@@ -93,7 +109,7 @@ pub(super) fn run(
         json.emit(&Unsure { probability: Decimal(probability), candidates: poses }, &summary)?;
         return Ok(Outcome::No);
     }
-    let errors = truth.map(|(at, heading)| best.error(at, heading));
+    let errors = options.truth.map(|(at, heading)| best.error(at, heading));
     let layer = usize::from(fix.layer_number().unwrap_or(0));
     let output = Output {
         floor: best.floor,
@@ -104,6 +120,7 @@ pub(super) fn run(
         camera_height_m: Decimal(f64::from(fix.camera_height_m())),
         layer: LAYERS[layer.min(1)],
         score: best.score,
+        bits: bits(scored),
         margin: Decimal(fix.margin().to_num()),
         probability: Decimal(probability),
         candidates: poses,
@@ -116,6 +133,70 @@ pub(super) fn run(
     Ok(Outcome::Done)
 }
 
+type Layers<'a> = Vec<FloorLayer<'a>>;
+
+fn of_images<'a>(
+    floors: &[SiteFloor<'a>],
+    cameras: &CameraArgs,
+    options: &Options,
+    clock: &mut Clock,
+) -> Result<(Located<'a>, Layers<'a>)> {
+    let cameras = cameras.load()?;
+    let frames = cameras.frames.each_ref().map(Option::as_ref);
+    clock.stage("read_frames");
+    let mut locator = Locator::new(floors, cameras.rig, options.settings)?;
+    let name = || cameras.name.clone();
+    let mut segmented = locator.segment(frames).with_context(name)?;
+    let up = cameras.up.resolve(&mut segmented).with_context(name)?;
+    let levelled = segmented.level(&up).map_err(SeeError::from).with_context(name)?;
+    let located = locate(levelled, cameras.heights(), floors, options);
+    clock.extend(locator.watch().milliseconds());
+    Ok((located, locator.layers().to_vec()))
+}
+
+fn of_shot<'a>(
+    floors: &[SiteFloor<'a>],
+    path: &Path,
+    options: &Options,
+    clock: &mut Clock,
+) -> Result<(Located<'a>, Layers<'a>)> {
+    let name = || path.display().to_string();
+    let bytes = std::fs::read(path).with_context(name)?;
+    let shot = Shot::new(&bytes).and_then(|shot| shot.verify().map(|()| shot)).with_context(name)?;
+    clock.stage("read_frames");
+    let header = shot.header();
+    let mut locator = Locator::new(floors, header.rig, options.settings)?;
+    let frames = shot
+        .images()
+        .map(|image| image.map(|(gray, red)| Frame { gray, excluded: ExclusionMask::Mask(red) }));
+    let levelled = locator.segment_borrowed(&frames).with_context(name)?.level_near(UpHint::Up(header.up));
+    let levelled = levelled.map_err(SeeError::from).with_context(name)?;
+    let heights = header.height_m.map_or(HeightPrior::UNKNOWN, HeightPrior::camera);
+    let located = locate(levelled, heights, floors, options);
+    clock.extend(locator.watch().milliseconds());
+    Ok((located, locator.layers().to_vec()))
+}
+
+fn locate<'a>(
+    levelled: Levelled<'_, '_, 'a>,
+    heights: HeightPrior,
+    floors: &[SiteFloor<'_>],
+    options: &Options,
+) -> Located<'a> {
+    let up = levelled.frame().up();
+    let mut seen = see(levelled);
+    let fix = seen.locate(heights);
+    let is_sure = f64::from(fix.probability()) >= options.least_probability;
+    let walls = if is_sure { walls(&fix, &mut seen, floors) } else { Walls::default() };
+    Located { up, fix, walls }
+}
+
+/// Position, heading and score to the bit: what targets are compared by.
+fn bits(pose: &ScoredPose) -> String {
+    let [x, y] = [pose.at.x, pose.at.y].map(Metres::to_bits);
+    format!("{x:016x} {y:016x} {:08x} {}", pose.heading.to_bits(), pose.score.to_bits())
+}
+
 /// The walls of the plan as drawn, by what was seen from the likeliest pose.
 fn walls(fix: &Fix<'_>, seen: &mut Seen<'_, '_>, floors: &[SiteFloor<'_>]) -> Walls {
     let mut walls = Walls::default();
@@ -126,21 +207,14 @@ fn walls(fix: &Fix<'_>, seen: &mut Seen<'_, '_>, floors: &[SiteFloor<'_>]) -> Wa
     walls
 }
 
-fn pose<'a>(mode: &ScoredPose, layers: &[FloorLayer<'_>], floors: &[SiteFloor<'a>]) -> Pose<'a> {
-    let name = site_floor(mode, layers, floors).and_then(SiteFloor::name);
-    pose_of(mode, name.filter(|_| floors.len() > 1))
+/// A pose as it is reported: with its floor where there are several.
+fn pose<'a>(scored: &ScoredPose, layers: &[FloorLayer<'a>]) -> Pose<'a> {
+    let several = layers.iter().any(|layer| layer.floor > 0);
+    let layer = layers.get(usize::from(scored.layer));
+    pose_of(scored, layer.map(|layer| layer.name).filter(|_| several))
 }
 
-/// The floor that a mode is on.
-fn site_floor<'s, 'a>(
-    mode: &ScoredPose,
-    layers: &[FloorLayer<'_>],
-    floors: &'s [SiteFloor<'a>],
-) -> Option<&'s SiteFloor<'a>> {
-    floors.get(usize::from(layers.get(usize::from(mode.layer))?.floor))
-}
-
-/// A mode as it is reported, with the floor where there are several.
+/// A scored pose as it is reported, with the floor where there are several.
 pub(in crate::cli) fn pose_of<'a>(mode: &ScoredPose, floor: Option<&'a str>) -> Pose<'a> {
     Pose {
         floor,
