@@ -1,10 +1,12 @@
 //! One block of memory, laid out for one stage after the other.
 
-use super::{CAMERAS, Settings, Smoothing};
+use super::error::Error;
+use super::settings::{Settings, Smoothing};
 use crate::pose::PoolEntry;
 use crate::pose::evidence::EvidenceTable;
 use crate::vision::attitude::Arc;
 use crate::vision::boundary::{self, CELLS, RangeLikelihoods};
+use crate::vision::camera::{CAMERAS, Rig};
 use crate::vision::panorama::Resolution;
 use crate::vision::segments::{self, Segment, pixels, trail_len};
 use crate::vision::windows::{self, Column, Upright, Window, WindowBox};
@@ -12,7 +14,7 @@ use bytemuck::Pod;
 use core::mem;
 
 /// Bytes of a word of memory.
-pub(super) const WORD_BYTES: usize = size_of::<u32>();
+const WORD_BYTES: usize = size_of::<u32>();
 
 /// Words that hold this many elements.
 const fn of<T>(count: usize) -> usize {
@@ -21,6 +23,32 @@ const fn of<T>(count: usize) -> usize {
 
 const fn larger(a: usize, b: usize) -> usize {
     if a > b { a } else { b }
+}
+
+impl Settings {
+    /// Words of memory that a rig of one or two cameras with images of at most this size takes.
+    #[must_use]
+    pub const fn memory_words(&self, width: u16, height: u16) -> usize {
+        Layout::new(self, [[width, height]; CAMERAS]).words()
+    }
+
+    /// Words of memory that a rig takes.
+    #[must_use]
+    pub fn memory_words_of(&self, rig: &Rig) -> usize {
+        self.layout(rig).words()
+    }
+
+    pub(super) fn layout(&self, rig: &Rig) -> Layout {
+        Layout::new(
+            self,
+            [0, 1].map(|camera| rig.view(camera).map_or([0; 2], |view| [view.width, view.height])),
+        )
+    }
+
+    pub(super) fn check(&self, rig: &Rig, words: usize) -> Result<(), Error> {
+        let missing = self.layout(rig).words().saturating_sub(words);
+        if missing == 0 { Ok(()) } else { Err(Error::Memory { missing_bytes: missing * WORD_BYTES }) }
+    }
 }
 
 /// How much of everything there is. What a stage hands on lies first, then what stages use one after the other.

@@ -39,7 +39,7 @@ use crate::pose::locate::explain;
 use crate::pose::{Answer, Fix, FloorLayer};
 use crate::vision::attitude::UpHint;
 use crate::vision::boundary::BoundaryEvidence;
-use crate::vision::camera::{Rig, View};
+use crate::vision::camera::{CAMERAS, PerCamera, Rig, View};
 use crate::vision::panorama::Resolution;
 use crate::vision::sample::ExclusionMask;
 use crate::vision::windows::WindowEvidence;
@@ -47,9 +47,6 @@ use heapless::Vec;
 
 /// Most layers of a site: two for each floor.
 pub const LAYERS_OF_A_SITE: usize = 2 * MAX_FLOORS;
-
-/// The cameras of a rig.
-pub const CAMERAS: usize = 2;
 
 /// The image of one camera.
 #[derive(Debug, Clone, Copy)]
@@ -67,7 +64,7 @@ impl<'a> From<GrayImage<'a>> for Frame<'a> {
 }
 
 /// The images of all cameras at one moment, `None` for a camera that the rig does not have.
-pub type Frames<'a> = [Option<Frame<'a>>; CAMERAS];
+pub type Frames<'a> = PerCamera<Option<Frame<'a>>>;
 
 /// What is known before anything is seen.
 #[derive(Debug, Clone, Copy, PartialEq)]

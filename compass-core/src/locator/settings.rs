@@ -1,7 +1,5 @@
 //! How the pipeline works, and what that costs.
 
-use super::memory::{self, Layout};
-use super::{CAMERAS, Error};
 use crate::pose::Headings;
 #[cfg(doc)]
 use crate::pose::MAX_POOL;
@@ -88,18 +86,6 @@ impl Settings {
         effort_at_known_height: Effort::LITTLE,
     };
 
-    /// Words of memory that a rig of one or two cameras with images of at most this size takes.
-    #[must_use]
-    pub const fn memory_words(&self, width: u16, height: u16) -> usize {
-        Layout::new(self, [[width, height]; CAMERAS]).words()
-    }
-
-    /// Words of memory that a rig takes.
-    #[must_use]
-    pub fn memory_words_of(&self, rig: &Rig) -> usize {
-        self.layout(rig).words()
-    }
-
     /// The work of the search.
     pub(super) const fn effort(&self, is_height_known: bool) -> Effort {
         if is_height_known { self.effort_at_known_height } else { self.effort }
@@ -114,17 +100,5 @@ impl Settings {
     /// Largest angle between a segment and the vertical that it points to, degrees.
     pub(super) fn tolerance_deg(&self, resolution: Resolution) -> f32 {
         self.inlier_tolerance_deg.unwrap_or(if resolution == Resolution::COARSE { 3.0 } else { 2.0 })
-    }
-
-    pub(super) fn layout(&self, rig: &Rig) -> Layout {
-        Layout::new(
-            self,
-            [0, 1].map(|camera| rig.view(camera).map_or([0; 2], |view| [view.width, view.height])),
-        )
-    }
-
-    pub(super) fn check(&self, rig: &Rig, words: usize) -> Result<(), Error> {
-        let missing = self.layout(rig).words().saturating_sub(words);
-        if missing == 0 { Ok(()) } else { Err(Error::Memory { missing_bytes: missing * memory::WORD_BYTES }) }
     }
 }

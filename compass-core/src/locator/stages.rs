@@ -1,8 +1,10 @@
 //! The stages as types: each is made by the one before it alone.
 
+use super::error::Error;
 use super::memory::Look;
+use super::settings::Smoothing;
 use super::trace::{Picture, Stage, Trace};
-use super::{CAMERAS, Error, Frames, Locator, Smoothing};
+use super::{Frames, Locator};
 use crate::base::num::BINS;
 use crate::base::raster::{BitMask, GrayImage};
 use crate::pose::evidence::{EvidenceTable, weigh};
@@ -12,7 +14,7 @@ use crate::pose::track::{Estimate, Motion, Observation, Track};
 use crate::pose::{Fix, FloorLayer};
 use crate::vision::attitude::{self, Arc, Axes, UpHint, Vertical, vertical};
 use crate::vision::boundary::{BoundaryEvidence, BoundaryFinder, RangeLikelihoods};
-use crate::vision::camera::Bearing;
+use crate::vision::camera::{Bearing, CAMERAS};
 use crate::vision::lens_field;
 use crate::vision::level_frame::LevelFrame;
 use crate::vision::segments::{self, Segment, detect, smooth};

@@ -1,6 +1,6 @@
 //! `compass compare`: the core against the float reference.
 
-use super::Outcome;
+use super::exit::Outcome;
 use super::plan::{PlanArgs, sample};
 use super::progress::Bars;
 use crate::cli::json::JsonOption;

@@ -1,7 +1,7 @@
 //! `compass compare-hits`: what the cameras see against what the plan says at a known pose.
 
-use super::Outcome;
 use super::cameras::CameraArgs;
+use super::exit::Outcome;
 use super::plan::{PlanArgs, finite, pair};
 use crate::cli::json::JsonOption;
 use anyhow::{Context as _, Result};

@@ -1,6 +1,6 @@
 //! `compass demo`: the whole pipeline on the bundled sample building.
 
-use super::Outcome;
+use super::exit::Outcome;
 use super::pose::Pose;
 use super::progress::Bars;
 use super::{pictures, plan};

@@ -1,6 +1,6 @@
 //! `compass describe`: the descriptor of a position.
 
-use super::Outcome;
+use super::exit::Outcome;
 use super::pictures;
 use super::plan::{PlanArgs, finite, pair};
 use crate::cli::json::JsonOption;

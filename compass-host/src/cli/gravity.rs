@@ -2,8 +2,8 @@
 
 mod pictures;
 
-use super::Outcome;
 use super::cameras::{CameraArgs, Cameras};
+use super::exit::Outcome;
 use crate::cli::json::JsonOption;
 use anyhow::{Context as _, Result, bail};
 use compass_core::Settings;

@@ -4,7 +4,7 @@ mod build;
 mod info;
 mod join;
 
-use super::Outcome;
+use super::exit::Outcome;
 use anyhow::Result;
 
 #[derive(Debug, clap::Subcommand)]

@@ -1,7 +1,7 @@
 //! `compass pack`: the frames of a rig as a board reads them.
 
-use super::Outcome;
 use super::cameras::{CameraArgs, Taken};
+use super::exit::Outcome;
 use super::plan::size;
 use crate::cli::json::JsonOption;
 use anyhow::{Context as _, Result, bail};

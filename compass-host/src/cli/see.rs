@@ -1,8 +1,8 @@
 //! `compass see`: what the cameras see in every direction, as the descriptor that localization compares.
 
-use super::Outcome;
 use super::cameras::{CameraArgs, Cameras};
 use super::debug::Found;
+use super::exit::Outcome;
 use super::plan::PoseOnPlan;
 use crate::cli::json::JsonOption;
 use anyhow::{Context as _, Result};

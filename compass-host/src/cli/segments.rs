@@ -1,6 +1,7 @@
 //! `compass segments`: the line segments of one image.
 
-use super::{Outcome, debug};
+use super::debug;
+use super::exit::Outcome;
 use crate::cli::json::JsonOption;
 use anyhow::{Context as _, Result};
 use compass_core::vision::segments::{Detected, Parameters, Segment};

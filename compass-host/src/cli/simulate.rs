@@ -1,6 +1,6 @@
 //! `compass simulate`: dual-fisheye frames rendered from a plan.
 
-use super::Outcome;
+use super::exit::Outcome;
 use super::plan::{PlanArgs, finite, size};
 use super::progress::Bars;
 use crate::cli::json::JsonOption;

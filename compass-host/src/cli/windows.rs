@@ -1,9 +1,10 @@
 //! `compass windows`: the windows in one camera's frame.
 
 use super::cameras::UpArg;
+use super::debug;
 use super::debug::Found;
+use super::exit::Outcome;
 use super::see::{WindowOutput, segments};
-use super::{Outcome, debug};
 use crate::cli::json::JsonOption;
 use anyhow::{Context as _, Result};
 use compass_core::Settings;

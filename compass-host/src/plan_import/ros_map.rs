@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-use super::PlanImportError;
+use super::error::PlanImportError;
 use crate::image_file::one_line;
 
 /// Largest yaw taken for zero, in radians: a map 100 m across turns by less than 1 mm.

@@ -1,7 +1,7 @@
 //! `compass evaluate`: a recording frame by frame and as a sequence, against the truth.
 
-use super::Outcome;
 use super::cameras::height;
+use super::exit::Outcome;
 use super::progress::Bars;
 use super::up::MountOption;
 use crate::cli::json::JsonOption;

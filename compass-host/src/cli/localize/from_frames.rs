@@ -1,7 +1,7 @@
 //! The pose of camera frames.
 
-use crate::cli::Outcome;
 use crate::cli::cameras::CameraArgs;
+use crate::cli::exit::Outcome;
 use crate::cli::json::JsonOption;
 use crate::cli::pose::{Pose, milliseconds};
 use anyhow::{Context as _, Result};

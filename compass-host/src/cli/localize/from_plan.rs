@@ -1,6 +1,6 @@
 //! The pose of a descriptor that is cast from a plan: the paper's matching.
 
-use crate::cli::Outcome;
+use crate::cli::exit::Outcome;
 use crate::cli::json::JsonOption;
 use crate::cli::plan::{Reading, finite};
 use crate::cli::pose::{Pose, milliseconds};

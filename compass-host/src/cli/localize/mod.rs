@@ -3,8 +3,8 @@
 mod from_frames;
 mod from_plan;
 
-use super::Outcome;
 use super::cameras::CameraArgs;
+use super::exit::Outcome;
 use super::plan::{finite, pair};
 use crate::cli::json::JsonOption;
 use anyhow::{Result, bail};

@@ -1,6 +1,6 @@
 //! `compass map build`: a plan becomes a site file of one floor.
 
-use crate::cli::Outcome;
+use crate::cli::exit::Outcome;
 use crate::cli::json::JsonOption;
 use crate::cli::plan::{PlanArgs, finite};
 use crate::cli::progress::Bars;

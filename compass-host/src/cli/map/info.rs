@@ -1,6 +1,6 @@
 //! `compass map info`: what is in a site file.
 
-use crate::cli::Outcome;
+use crate::cli::exit::Outcome;
 use crate::cli::json::JsonOption;
 use anyhow::Result;
 use compass_core::map::site_map::SiteMap;

@@ -1,6 +1,6 @@
 //! `compass map join`: the floors of several site files in one.
 
-use crate::cli::Outcome;
+use crate::cli::exit::Outcome;
 use crate::cli::json::JsonOption;
 use anyhow::{Context as _, Result, bail};
 use compass_core::map::site::Floor;

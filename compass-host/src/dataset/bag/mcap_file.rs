@@ -1,6 +1,6 @@
 //! A file of a bag in MCAP storage: records, most of them in chunks, which may be compressed with zstd or lz4.
 
-use super::{Place, Take};
+use super::place::{Place, Take};
 use mcap::McapError;
 use mcap::records::{Record, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};

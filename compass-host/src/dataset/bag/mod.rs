@@ -8,6 +8,7 @@ mod choice;
 mod mcap_file;
 mod message;
 mod metadata;
+mod place;
 mod sqlite_file;
 
 use super::error::DatasetError;
@@ -20,6 +21,7 @@ use crate::image_file::Pixels;
 use crate::progress::{Progress, Steps};
 use choice::Role;
 use metadata::{Compression, Metadata, Storage, Topic};
+use place::Place;
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -56,10 +58,6 @@ pub(super) fn read(
     scan.finish(dir)
 }
 
-/// What takes the messages of a file: the number of the topic, the place and the message, of which it need not read
-/// all. Says what is wrong with one.
-type Take<'a> = dyn FnMut(usize, Place, &mut dyn Read) -> Result<(), String> + 'a;
-
 /// A message with a frame.
 #[derive(Debug, Clone)]
 pub struct Message {
@@ -69,15 +67,6 @@ pub struct Message {
     file: usize,
     place: Place,
     stamp_ns: u64,
-}
-
-/// Where in a file a message is.
-#[derive(Debug, Clone, Copy)]
-enum Place {
-    /// The `id` of its row.
-    Row(i64),
-    /// The byte where its record or chunk begins, and how many messages of the chunk come before it.
-    Record { offset: u64, before: u32 },
 }
 
 impl Message {

@@ -1,6 +1,6 @@
 //! A file of a bag in rosbag2's `SQLite` storage: `topics` (`id`, `name`) and `messages` (`id`, `topic_id`, `data`).
 
-use super::{Place, Take};
+use super::place::{Place, Take};
 use rusqlite::blob::Blob;
 use rusqlite::{Connection, OpenFlags, Result};
 use std::collections::HashMap;
