@@ -13,16 +13,17 @@ use compass_core::descriptor::sketch::{Sketch, SketchQuery};
 use compass_core::descriptor::spectrum::{self, Correlator, Extent};
 use compass_core::descriptor::windows as paper;
 use compass_core::descriptor::{Descriptor, channels};
+use compass_core::locator::{self, Locator, Prior, Settings};
 use compass_core::map::plan::{self, Frame, MarchError, Plan};
 use compass_core::map::site::{self, Floor, Site};
 use compass_core::map::site_map::{self, Header, Layer, LayerView, PackedScan, Record, Sink, SiteMap};
 use compass_core::pose::evidence;
 use compass_core::pose::evidence::EvidenceTable;
 use compass_core::pose::heights::HeightMemory;
-use compass_core::pose::locate::{self, Fix};
+use compass_core::pose::locate;
 use compass_core::pose::track::Track;
 use compass_core::pose::wall_check;
-use compass_core::pose::{self, FloorLayer, Rows, ScoredPose};
+use compass_core::pose::{self, FloorLayer, PoolEntry, Rows, ScoredPose};
 use compass_core::vision::attitude::{self, Arc, Axes, Vertical};
 use compass_core::vision::boundary::{BoundaryEvidence, BoundaryFinder, RangeLikelihoods};
 use compass_core::vision::camera::{Camera, Equidistant, Eucm, KannalaBrandt, Rig, View};
@@ -32,6 +33,9 @@ use compass_core::vision::segments;
 use compass_core::vision::shot::{self, Shot};
 use compass_core::vision::visual_scan;
 use compass_core::vision::windows::{self, Edge, Upright, Window, WindowFinder};
+use compass_core::{Fix, LocateError};
+
+use core::hint::black_box;
 
 /// Headings of the search under evidence.
 const HEADINGS: usize = 90;
@@ -200,7 +204,7 @@ pub(crate) static ALL: &[Entry] = &entries![
     Window::azimuth_deg,
     Window::elevation_deg,
     windows::segment_parameters,
-    windows::sky_above,
+    windows::sky_is_above,
     windows::wants_smoothed,
     windows::image_box,
     paper::find,
@@ -223,16 +227,25 @@ pub(crate) static ALL: &[Entry] = &entries![
     visual_scan::scan,
     wall_check::compare,
     // locate, track
-    locate::locate::<HEADINGS>,
-    Fix::height_m,
+    locate::locate,
+    Fix::pose,
+    Fix::floor_name,
+    Fix::camera_height_m,
+    Fix::ceiling_height_m,
     Fix::probability,
     Fix::is_sure,
     HeightMemory::learn,
-    HeightMemory::room,
+    HeightMemory::prior,
     HeightMemory::is_like,
     Track::step,
     Track::estimate,
     hypotheses,
+    // locator
+    Settings::memory_words,
+    Settings::memory_words_of,
+    run_locator,
+    run_stages,
+    recall,
 ];
 
 // What is generic or gives an iterator, for arguments as unknown as those of the rest.
@@ -260,7 +273,7 @@ fn search(
     rows: &Rows<HEADINGS>,
     layers: &[FloorLayer<'_>],
     among: &dyn Fn(u8, usize) -> bool,
-    pool: &mut [ScoredPose],
+    pool: &mut [PoolEntry],
 ) -> usize {
     pose::search(rows, layers, among, pool)
 }
@@ -306,4 +319,45 @@ fn visit_edges(uprights: &mut [Upright], resolution: Resolution, visit: &mut dyn
 
 fn hypotheses(track: &Track, visit: &mut dyn FnMut(ScoredPose, f32)) {
     track.hypotheses().for_each(|(mode, probability)| visit(mode, probability));
+}
+
+fn run_locator<'a>(
+    site: &Site<'a>,
+    rig: Rig,
+    settings: Settings,
+    memory: &'a mut [u32],
+    frames: &locator::Frames<'_>,
+    prior: &Prior,
+) -> Result<Fix<'a>, LocateError> {
+    let mut locator: Locator<'_> = Locator::new(site, rig, settings, memory)?;
+    locator.set_rig(rig)?;
+    locator.locate(frames, prior)
+}
+
+fn run_stages(
+    locator: &mut Locator<'_>,
+    frames: &locator::Frames<'_>,
+    up: &compass_core::Bearing,
+    track: &mut Track,
+) -> Result<Option<f32>, LocateError> {
+    let mut segmented = locator.segment(frames)?;
+    black_box(segmented.segments(1).len());
+    black_box(segmented.sky_is_above(up)?);
+    let mut levelled = segmented.level(up)?;
+    black_box(levelled.axes());
+    let mut seen = levelled.see();
+    black_box((seen.windows().len(), seen.boundaries().is_some()));
+    let fix = seen.locate(compass_core::HeightPrior::UNKNOWN);
+    black_box(seen.range_likelihoods(compass_core::HeightPrior::both(fix.heights())).is_some());
+    Ok(seen.track(track, &fix, 0.1, None).map(|estimate| estimate.spread_m))
+}
+
+fn recall(
+    locator: &mut Locator<'_>,
+    boundaries: &BoundaryEvidence<'_>,
+    windows: &compass_core::vision::windows::WindowEvidence,
+    fill: &mut dyn FnMut(&mut EvidenceTable),
+) -> usize {
+    black_box(locator.recall(boundaries, windows).locate(compass_core::HeightPrior::camera(1.6)).is_sure());
+    locator.explain(|table| fill(table)).modes().len()
 }
