@@ -304,3 +304,6 @@ fn check_size(camera: u8, view: &View, frame: &Frame<'_>) -> Result<(), Error> {
     let found = [frame.gray.width(), frame.gray.height()];
     if found == expected { Ok(()) } else { Err(Error::Size { camera, expected, found }) }
 }
+
+#[cfg(test)]
+mod tests;
