@@ -417,6 +417,8 @@ mod tests {
 
     use super::*;
     use std::sync::{Mutex, MutexGuard, PoisonError};
+    use std::vec;
+    use std::vec::Vec;
 
     /// Too large for the stack of a test.
     static WORKSPACE: Mutex<Workspace> = Mutex::new(Workspace::new());
@@ -431,26 +433,39 @@ mod tests {
         assert_eq!(checksum(words), 0x9ae0_daaf);
     }
 
+    /// Names and checksums in their order.
+    #[derive(Default)]
+    struct Lines(Vec<(&'static str, u32)>);
+
+    impl Report for Lines {
+        fn check(&mut self, name: &'static str, checksum: u32) {
+            self.0.push((name, checksum));
+        }
+    }
+
+    fn run_sample(workspace: &mut Workspace) -> Vec<(&'static str, u32)> {
+        let mut lines = Lines::default();
+        run(&Inputs::SAMPLE, workspace, &mut lines);
+        lines.0
+    }
+
     #[test]
     fn stages_have_distinct_names_and_repeat() {
-        for (i, stage) in STAGES.iter().enumerate() {
-            assert!(STAGES[..i].iter().all(|earlier| earlier.name != stage.name));
-            assert!(!stage.name.contains(' '));
-        }
         let mut workspace = workspace();
-        let mut sums = [[0; STAGES.len()]; 2];
-        for sums in &mut sums {
-            let mut left = sums.iter_mut();
-            run(&Inputs::SAMPLE, &mut workspace, &mut |_, sum| *left.next().unwrap() = sum);
+        let lines = run_sample(&mut workspace);
+        for (i, (name, _)) in lines.iter().enumerate() {
+            assert!(lines[..i].iter().all(|(earlier, _)| earlier != name));
+            assert!(!name.contains(' '));
         }
-        assert_eq!(sums[0], sums[1]);
+        assert!(POSE_STAGES.iter().all(|stage| lines.iter().any(|(name, _)| name == stage)));
+        assert_eq!(run_sample(&mut workspace), lines);
     }
 
     #[test]
     fn both_searches_find_the_pose() {
         let inputs = Inputs::SAMPLE;
         let mut workspace = workspace();
-        run(&inputs, &mut workspace, &mut |_, _| ());
+        run_sample(&mut workspace);
         for answer in [&workspace.localized, &workspace.proven] {
             let best = answer.as_ref().unwrap().best().unwrap();
             let position = inputs.map().position(best.candidate as usize).unwrap();
@@ -461,40 +476,32 @@ mod tests {
     }
 
     #[test]
-    fn the_eyes_see_the_sample_building() {
-        let mut workspace = workspace();
-        run(&Inputs::SAMPLE, &mut workspace, &mut |_, _| ());
-        let eyes = &workspace.eyes;
-        assert!([0, 1].iter().all(|camera| eyes.segments(*camera).len() > 40));
-        let up = eyes.vertical().expect("there are upright lines");
+    fn the_sample_frames_show_the_sample_building() {
+        let inputs = Inputs::SAMPLE;
+        let mut words = vec![0; WORDS];
+        let mut locator = inputs.locator(&mut words);
+        let mut segmented = locator.segment(&frames()).unwrap();
+        assert!([0, 1].iter().all(|camera| segmented.segments(*camera).len() > 40));
+        let up = segmented.vertical(prior().up).unwrap();
         // The frames are tilted by 4 degrees and hang upside down, 7 degrees askew.
         assert!((up.roll_deg() - 173.0).abs() < 1.5 && (up.pitch_deg() - 4.0).abs() < 1.5, "{up:?}");
-        let (_, sighting) = eyes.sighting().expect("up is known");
-        std::println!("{} windows", sighting.count);
-        assert!(!sighting.truncated);
+        let mut seen = segmented.level(&up.up).unwrap().see();
+        let windows = seen.window_evidence();
+        assert!(!windows.truncated && windows.count > 0);
         // Against what the plan says at the same pose.
         let mut scan = Scan::OPEN;
-        Inputs::SAMPLE.plan().scan(FRAMES_FROM.0, FRAMES_FROM.1, &mut scan).unwrap();
-        let seen = sighting.hit.iter().zip(sighting.confidence.sixteenths()).zip(&scan.hit);
-        let (agree, all) = seen
+        inputs.plan().scan(FRAMES_FROM.0, FRAMES_FROM.1, &mut scan).unwrap();
+        let bins = windows.hit.iter().zip(windows.confidence.sixteenths()).zip(&scan.hit);
+        let (agree, all) = bins
             .filter(|((_, confidence), _)| **confidence > 0)
             .fold((0, 0), |(agree, all), ((a, _), b)| (agree + usize::from(a == b), all + 1));
         assert!(all > 300 && agree * 100 > 75 * all, "{agree} of {all}");
-    }
-
-    #[test]
-    fn the_frames_are_located() {
-        let mut workspace = workspace();
-        run(&Inputs::SAMPLE, &mut workspace, &mut |_, _| ());
-        let fix = workspace.fix.as_ref().expect("the eyes saw something");
-        let best = fix.answer.best().expect("there are candidates");
-        std::println!("{best:?}, probability {}", fix.probability());
-        let (at, heading) = FRAMES_FROM;
-        assert!(best.at.within(at, Metres::lit("0.4")), "{best:?}");
-        assert!(best.heading.distance(heading) < Turn::from_ratio(2, 360), "{best:?}");
-        let estimate = workspace.estimate.expect("there are hypotheses");
+        let fix = seen.locate(prior().heights);
+        let (pose, (at, heading)) = (fix.pose().unwrap(), FRAMES_FROM);
+        assert!(pose.at.within(at, Metres::lit("0.4")), "{pose:?}");
+        assert!(pose.heading.distance(heading) < Turn::from_ratio(2, 360), "{pose:?}");
+        let estimate = seen.track(&mut Track::new(), &fix, 0.0, None).unwrap();
         assert!(estimate.mode.at.within(at, Metres::lit("0.4")), "{estimate:?}");
-        assert!(estimate.probability > fix.probability() / 2.0, "{estimate:?}");
     }
 
     #[test]

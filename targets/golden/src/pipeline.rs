@@ -24,18 +24,11 @@ pub const POSE_STAGES: [&str; 6] = ["segments", "segments_back", "attitude", "wi
 pub(crate) struct Memory {
     words: [u32; WORDS],
     track: Track,
-    #[cfg(test)]
-    pub(crate) found: Option<(Fix<'static>, Option<Estimate>)>,
 }
 
 impl Memory {
     pub(crate) const fn new() -> Self {
-        Self {
-            words: [0; WORDS],
-            track: Track::new(),
-            #[cfg(test)]
-            found: None,
-        }
+        Self { words: [0; WORDS], track: Track::new() }
     }
 }
 
@@ -119,11 +112,9 @@ fn window_words<'a>(windows: &'a [Window], evidence: &'a WindowEvidence) -> impl
         [left, right, top, bottom, w.score.to_bits() as u32, w.camera.into()]
     });
     let bins = evidence.hit.iter().zip(evidence.confidence.sixteenths()).zip(&evidence.evidence);
-    windows.chain(
-        bins.flat_map(|((hit, confidence), evidence)| {
-            [*hit as u32, u32::from(*confidence), evidence.to_bits() as u32]
-        }),
-    )
+    windows.chain(bins.flat_map(|((hit, confidence), evidence)| {
+        [*hit as u32, u32::from(*confidence), evidence.to_bits() as u32]
+    }))
 }
 
 fn boundary_words<'a>(evidence: &'a BoundaryEvidence<'_>) -> impl Iterator<Item = u32> + 'a {
@@ -147,5 +138,12 @@ fn estimate_words(estimate: Option<&Estimate>) -> impl Iterator<Item = u32> + '_
 
 fn pose_words(pose: &ScoredPose) -> [u32; 6] {
     let [x, y] = [pose.at.x, pose.at.y].map(Metres::to_bits);
-    [x as u32, (x >> 32) as u32, y as u32, (y >> 32) as u32, pose.heading.to_bits(), pose.score.to_bits() as u32]
+    [
+        x as u32,
+        (x >> 32) as u32,
+        y as u32,
+        (y >> 32) as u32,
+        pose.heading.to_bits(),
+        pose.score.to_bits() as u32,
+    ]
 }
