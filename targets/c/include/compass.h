@@ -56,7 +56,7 @@ static inline double compass_degrees(uint32_t heading) { return heading * (360.0
 #define COMPASS_ALIGNMENT 8
 
 // Bytes of memory for frames of 368 x 360 pixels with the settings of COMPASS_PRESET_BOARD, on any machine.
-#define COMPASS_MEMORY_368X360 485000
+#define COMPASS_MEMORY_368X360 446000
 
 // Version of this header: major times 10000 + minor times 100 + patch.
 #define COMPASS_VERSION 100
@@ -122,7 +122,7 @@ enum CompassPreset
  {
   // For a microcontroller with 512 KiB of RAM, and frames of 368 x 360 pixels.
   COMPASS_PRESET_BOARD = 1,
-  // For a computer: 11 MB of memory for frames of 1472 x 1440 pixels.
+  // For a computer: 9.2 MB of memory for frames of 1472 x 1440 pixels.
   COMPASS_PRESET_FULL = 2,
 };
 #ifndef __cplusplus

@@ -21,7 +21,7 @@ use core::ptr::NonNull;
 /// Alignment of the memory, bytes.
 pub const COMPASS_ALIGNMENT: usize = 8;
 /// Bytes of memory for frames of 368 x 360 pixels with the settings of COMPASS_PRESET_BOARD, on any machine.
-pub const COMPASS_MEMORY_368X360: usize = 485_000;
+pub const COMPASS_MEMORY_368X360: usize = 446_000;
 
 /// The locator, which owns what lies behind it.
 type Pipeline = Locator<'static, &'static mut [u32], (), COMPASS_MAX_LAYERS>;
@@ -34,6 +34,8 @@ const WORDS_AT: usize = (LOCATOR_AT + size_of::<Pipeline>()).next_multiple_of(al
 const _: () =
     assert!(align_of::<Compass>() <= COMPASS_ALIGNMENT && align_of::<Pipeline>() <= COMPASS_ALIGNMENT);
 const _: () = assert!(memory_bytes(368, 360, &Settings::BOARD) <= COMPASS_MEMORY_368X360);
+// What the comment of the preset says.
+const _: () = assert!(memory_bytes(1472, 1440, &Settings::FULL) <= 9_200_000);
 
 /// Begins every object that is in use.
 const MAGIC: u32 = u32::from_le_bytes(*b"CMPS");

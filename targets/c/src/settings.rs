@@ -14,7 +14,7 @@ use compass_core::vision::panorama::Resolution;
 pub enum CompassPreset {
     /// For a microcontroller with 512 KiB of RAM, and frames of 368 x 360 pixels.
     Board = 1,
-    /// For a computer: 11 MB of memory for frames of 1472 x 1440 pixels.
+    /// For a computer: 9.2 MB of memory for frames of 1472 x 1440 pixels.
     Full = 2,
 }
 
