@@ -1,23 +1,38 @@
-// COMPASS: where am I in this building? From floor plan and frames to a pose, without heap.
+// COMPASS: where am I in this building? From a site file and the frames of one or two cameras to a pose, without heap.
 //
-// Made from src/ by `REGENERATE=1 cargo test` in targets/c; a test fails where the two differ.
+// Made from src/ by `REGENERATE=1 cargo test --test header` in targets/c; a test fails where the two differ.
 //
-// One thread at a time may use a Compass. No function keeps a pointer but those to sites, floors and memory.
+// In order: compass_settings, compass_memory_bytes, compass_new; compass_add_site and compass_set_camera; then for the
+// frames of each moment compass_see, compass_locate and, for a sequence, compass_track. Adding a site or setting a camera
+// forgets what was seen.
+//
+// A function that takes a Compass or a struct returns COMPASS_STATUS_NULL, _HANDLE or _ALIGNMENT for a pointer that is none.
+// Comments name the codes that it returns beside these, without COMPASS_STATUS_; compass_last_error says more.
+//
+// What a caller owes, since C cannot check it: pointers that are not null point to what their type or the length beside
+// them says; the memory is used by nobody else until compass_end, and sites do not change until then; one thread at a time
+// uses a Compass. All else that is wrong is refused with a code.
 
 #ifndef COMPASS_H
 #define COMPASS_H
 
-#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+
 // Metres of a coordinate.
 static inline double compass_metres(int64_t coordinate) { return (double)coordinate / 4294967296.0; }
 
-// The coordinate of a position in metres.
+// The coordinate of a position in metres, within 2 000 000 000 of 0.
 static inline int64_t compass_coordinate(double metres) { return (int64_t)(metres * 4294967296.0); }
 
 // Degrees of a heading, 0 to 360, counter-clockwise from +x.
 static inline double compass_degrees(uint32_t heading) { return heading * (360.0 / 4294967296.0); }
+
+// Least height of the cameras above the floor that can be known, metres.
+#define COMPASS_LEAST_CAMERA_HEIGHT_M 0.55
+
+// Largest height of the cameras above the floor that can be known, metres.
+#define COMPASS_MOST_CAMERA_HEIGHT_M 2.4
 
 // Directions of a scan: direction j looks along heading + j degrees, counter-clockwise.
 #define COMPASS_BINS 360
@@ -28,62 +43,266 @@ static inline double compass_degrees(uint32_t heading) { return heading * (360.0
 // Most poses of a fix: the best and its alternatives.
 #define COMPASS_MAX_POSES 10
 
-// Most layers of floors that a Compass holds: of a site file two for each floor, the plan and its structure.
+// Most layers of floors: a floor of a site has one or two, the plan as drawn and its structure.
 #define COMPASS_MAX_LAYERS 16
 
-// Bytes of memory for frames of 368 x 360 pixels.
-#define COMPASS_MEMORY_368X360 482000
+// Most pixels of an image.
+#define COMPASS_MAX_PIXELS 67108864
 
-// What became of a call.
-typedef enum CompassStatus {
-  // Done.
+// Bytes of a floor's name with the zero behind it, UTF-8.
+#define COMPASS_NAME_BYTES 24
+
+// Alignment of the memory, bytes.
+#define COMPASS_ALIGNMENT 8
+
+// Bytes of memory for frames of 368 x 360 pixels with the settings of COMPASS_PRESET_BOARD, on any machine.
+#define COMPASS_MEMORY_368X360 446000
+
+// Version of this header: major times 10000 + minor times 100 + patch.
+#define COMPASS_VERSION 100
+
+// What became of a call. `compass_last_error` says more about the last one that failed.
+enum CompassStatus
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // The call succeeded.
   COMPASS_STATUS_OK = 0,
-  // A pointer is null that must not be, or a number makes no sense.
-  COMPASS_STATUS_ARGUMENT = 1,
-  // The memory is too short, or not aligned to 8 bytes.
-  COMPASS_STATUS_MEMORY = 2,
-  // The bytes are no site file, or no site map with the plan it was made from; or they are damaged.
-  COMPASS_STATUS_SITE = 3,
-  // More than COMPASS_MAX_LAYERS layers.
-  COMPASS_STATUS_FULL = 4,
+  // A pointer is null that must not be.
+  COMPASS_STATUS_NULL = 1,
+  // The pointer is no Compass: compass_new did not make it, compass_end ended it, or its memory was overwritten or moved.
+  COMPASS_STATUS_HANDLE = 2,
+  // The memory is not aligned to COMPASS_ALIGNMENT bytes, or another pointer not to its type.
+  COMPASS_STATUS_ALIGNMENT = 3,
+  // The memory is too short: see compass_memory_bytes.
+  COMPASS_STATUS_MEMORY = 4,
+  // A setting lies outside its range, or the settings were not made by compass_settings.
+  COMPASS_STATUS_SETTINGS = 5,
+  // The bytes are no site file, or a damaged one.
+  COMPASS_STATUS_SITE = 6,
+  // The sites have more than COMPASS_MAX_LAYERS layers.
+  COMPASS_STATUS_LAYERS = 7,
+  // The camera number is above 1, or the numbers make no lens, no image size or no rotation.
+  COMPASS_STATUS_CAMERA = 8,
+  // A frame is missing, is of a camera that was not set, or has another size than its camera.
+  COMPASS_STATUS_FRAME = 9,
+  // Up vector or height is not finite or outside its range, or the prior does not say what is known.
+  COMPASS_STATUS_PRIOR = 10,
+  // A step before this one is missing: cameras and site, then see, then locate, then track once.
+  COMPASS_STATUS_ORDER = 11,
+  // The frames show too few vertical lines, or no sky where the prior leaves the side open: up is unknown.
+  COMPASS_STATUS_UP = 12,
+  // The up vector lies along the optical axis of camera 0, which leaves no heading.
+  COMPASS_STATUS_AXIS = 13,
+  // No pose was found.
+  COMPASS_STATUS_NOWHERE = 14,
+  // Seconds or motion are not finite, or seconds are negative.
+  COMPASS_STATUS_MOTION = 15,
+  // No site that was added has this floor and layer.
+  COMPASS_STATUS_FLOOR = 16,
   // The position lies outside the plan.
-  COMPASS_STATUS_OUTSIDE = 5,
+  COMPASS_STATUS_OUTSIDE = 17,
   // The position lies inside a wall or glazing.
-  COMPASS_STATUS_OCCUPIED = 6,
-  // The frames are not those of the cameras that were set.
-  COMPASS_STATUS_CAMERA = 7,
-  // Too few upright lines were seen to tell which way is up.
-  COMPASS_STATUS_UP = 8,
-  // The step before was not done.
-  COMPASS_STATUS_ORDER = 9,
-  // There is no pose: no layer was added, or nothing fits.
-  COMPASS_STATUS_NOWHERE = 10,
-} CompassStatus;
+  COMPASS_STATUS_OCCUPIED = 18,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum CompassStatus CompassStatus;
+#else
+typedef int32_t CompassStatus;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
 
-// All that COMPASS knows, in memory that the caller lends.
+// Where settings start.
+enum CompassPreset
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // For a microcontroller with 512 KiB of RAM, and frames of 368 x 360 pixels.
+  COMPASS_PRESET_BOARD = 1,
+  // For a computer: 9.2 MB of memory for frames of 1472 x 1440 pixels.
+  COMPASS_PRESET_FULL = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum CompassPreset CompassPreset;
+#else
+typedef int32_t CompassPreset;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// Whether frames are smoothed for windows and boundaries.
+enum CompassSmoothing
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // Frames are taken as they are.
+  COMPASS_SMOOTHING_OFF = 0,
+  // Each stage smooths its frames anew: more work, no more memory.
+  COMPASS_SMOOTHING_AGAIN = 1,
+  // Smoothed frames are kept: a byte of memory a pixel. The same poses as with Again.
+  COMPASS_SMOOTHING_KEPT = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum CompassSmoothing CompassSmoothing;
+#else
+typedef int32_t CompassSmoothing;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// What is known of the upward direction. There is no 0: a prior that says nothing is refused.
+enum CompassUpKind
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // Unknown but for camera 0 being upright or upside down, to about 35 degrees: vertical lines tell the axis, and the
+  // sky in the windows the side.
+  COMPASS_UP_KIND_UNKNOWN = 1,
+  // Near `up`, to about 35 degrees: the mounting, or an accelerometer. Vertical lines tell the rest.
+  COMPASS_UP_KIND_NEAR = 2,
+  // Exactly `up`, to a degree or better: no vertical lines are needed.
+  COMPASS_UP_KIND_EXACT = 3,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum CompassUpKind CompassUpKind;
+#else
+typedef int32_t CompassUpKind;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// What is known of the heights of camera and ceiling. There is no 0: a prior that says nothing is refused.
+enum CompassHeightKind
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // Unknown: both are searched, which takes 2 to 5 times as long in all.
+  COMPASS_HEIGHT_KIND_UNKNOWN = 1,
+  // The cameras' height above the floor is `camera_height_m`.
+  COMPASS_HEIGHT_KIND_CAMERA = 2,
+  // Both are `heights`, as from an earlier fix on this floor.
+  COMPASS_HEIGHT_KIND_BOTH = 3,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum CompassHeightKind CompassHeightKind;
+#else
+typedef int32_t CompassHeightKind;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// The formula of a lens.
+enum CompassLensModel
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // Kannala and Brandt: "equidistant" in Kalibr, "fisheye" in OpenCV.
+  COMPASS_LENS_MODEL_KANNALA_BRANDT = 1,
+  // Enhanced unified camera model: "eucm" in Kalibr.
+  COMPASS_LENS_MODEL_EUCM = 2,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum CompassLensModel CompassLensModel;
+#else
+typedef int32_t CompassLensModel;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
+// A Compass, in memory that the caller lends.
 typedef struct Compass Compass;
 
-// Range and hit type all around.
-typedef struct CompassScan {
-  // Ranges in steps of COMPASS_STEP_MM, 1 to 1500.
-  uint16_t steps[COMPASS_BINS];
-  // What is there: 0 nothing within 30 m, 1 glazing, 2 a wall.
-  uint8_t hit[COMPASS_BINS];
-} CompassScan;
+// Work of the search.
+typedef struct {
+  // Poses that are refined, 1 to 48.
+  uint8_t modes;
+  // Poses of these that are refined to the end, 1 to 48: the others are right to a decimetre or two.
+  uint8_t settled;
+  // Heights of the ceiling that are tried until an answer is sure, 1 to 4.
+  uint8_t ceilings;
+  // Stride of the rays that coarse refinement casts, 4 to 36.
+  uint8_t rays;
+  // 1 if an answer that is not sure is sought once more with twice as many camera heights, else 0.
+  uint8_t again;
+} CompassEffort;
 
-// A fisheye camera: lens of Kannala and Brandt ("equidistant" in Kalibr, "fisheye" in OpenCV). Axes are x right, y
-// down, z forward.
-typedef struct CompassCamera {
-  // Focal lengths, pixels.
-  float fx;
-  // Focal lengths, pixels.
-  float fy;
-  // Principal point, pixels.
-  float cx;
-  // Principal point, pixels.
-  float cy;
-  // Coefficients of the lens.
+// How the pipeline works. Start from compass_settings and change what differs.
+typedef struct {
+  // The preset that the fields come from: of what has no field here its values hold.
+  CompassPreset preset;
+  // Whether frames are smoothed.
+  CompassSmoothing smoothing;
+  // Segments kept of each frame, 1 to 65536.
+  uint32_t segments;
+  // Near-vertical segments of both frames, 1 to 65536.
+  uint32_t vertical_segments;
+  // Pairs of edges that are scored as windows, 1 to 65536.
+  uint32_t boxes;
+  // Windows all around, 1 to 65536.
+  uint32_t windows;
+  // Poses that the search keeps for refinement, 64 to 4096.
+  uint32_t pool;
+  // Headings at which candidates are scored: 40 or 90.
+  uint16_t headings;
+  // Finest cells of the panorama, in a degree: 2 or 4. Lenses of fewer than 3 pixels a degree have 2 in any case.
+  uint8_t panorama_per_degree;
+  // 1 if segments are sought within 95 degrees of the optical axis alone (a bit of memory a pixel), else 0.
+  uint8_t lens_field_mask;
+  // Work of the search where the camera's height is unknown.
+  CompassEffort effort;
+  // Work of the search where it is known.
+  CompassEffort effort_at_known_height;
+} CompassSettings;
+
+// Parameters of COMPASS_LENS_MODEL_KANNALA_BRANDT.
+typedef struct {
+  // Coefficients k1 to k4.
   float k[4];
+} CompassKannalaBrandt;
+
+// Parameters of COMPASS_LENS_MODEL_EUCM.
+typedef struct {
+  // Share of the sphere in the model, 0 to 1.
+  float alpha;
+  // Squared ratio of the ellipsoid's axes, above 0.
+  float beta;
+} CompassEucm;
+
+// Parameters of the lens: those of its model.
+typedef union {
+  // Of COMPASS_LENS_MODEL_KANNALA_BRANDT.
+  CompassKannalaBrandt kannala_brandt;
+  // Of COMPASS_LENS_MODEL_EUCM.
+  CompassEucm eucm;
+} CompassLensParameters;
+
+// A lens; the centre of the top left pixel is (0, 0).
+typedef struct {
+  // Which of the parameters hold.
+  CompassLensModel model;
+  // Focal length along x, pixels.
+  float fx;
+  // Focal length along y, pixels.
+  float fy;
+  // Principal point along x, pixels.
+  float cx;
+  // Principal point along y, pixels.
+  float cy;
+  // Parameters of the model.
+  CompassLensParameters parameters;
+} CompassLens;
+
+// A fisheye camera. Axes are x right, y down, z forward.
+typedef struct {
+  // Its lens.
+  CompassLens lens;
   // Pixels along x.
   uint16_t width;
   // Pixels along y.
@@ -95,56 +314,81 @@ typedef struct CompassCamera {
 } CompassCamera;
 
 // What a camera saw.
-typedef struct CompassFrame {
-  // Gray levels, row by row, of the camera's width and height; null if there is no frame of this camera.
+typedef struct {
+  // Gray levels, row by row without gaps.
   const uint8_t *gray;
-  // One bit a pixel, set where it is red (safety gear in front of a window): rows of (width + 7) / 8 bytes, the first
-  // pixel in the lowest bit; null if that is not known.
-  const uint8_t *red;
+  // Bytes of them: width times height.
+  size_t gray_bytes;
+  // Exclusion mask, one bit a pixel, set where the image says nothing of the building (safety gear in front of a
+  // window): rows of (width + 7) / 8 bytes, the first pixel in the lowest bit. Null if nothing is to be left out.
+  const uint8_t *excluded;
+  // Bytes of it: rows times height; 0 without a mask.
+  size_t excluded_bytes;
+  // Pixels along x: that of the camera.
+  uint16_t width;
+  // Pixels along y: that of the camera.
+  uint16_t height;
 } CompassFrame;
 
-// What is known beforehand, and how much work the search may do.
-typedef struct CompassRoom {
-  // Height of the cameras above the floor, metres; 0 if it is to be found as well, which takes 2 to 5 times as long in all.
+// Heights as the search counts them, in steps of 6.3 %: copy them from a fix.
+typedef struct {
+  // Height of the cameras above the floor, 0 for 1.5 m.
+  int8_t camera;
+  // By how many steps the ceiling is higher above the cameras than the floor is below them.
+  int8_t ceiling;
+} CompassHeights;
+
+// What is known before anything is seen.
+typedef struct {
+  // What `up` says: read by compass_see.
+  CompassUpKind up_kind;
+  // Upward direction in the axes of camera 0, of any length: {0, -1, 0} if it is upright, {0, 1, 0} upside down.
+  float up[3];
+  // Which of the fields below hold: read by compass_locate.
+  CompassHeightKind height_kind;
+  // Height of the cameras above the floor, metres, COMPASS_LEAST_CAMERA_HEIGHT_M to COMPASS_MOST_CAMERA_HEIGHT_M.
   float camera_height_m;
-  // Places to look at closely, 1 to 48: 8 do if the height is told, 24 if it is not.
-  uint8_t places;
-  // Heights of the ceiling to try until an answer is sure: 1 does if the camera's height is told, 3 if it is not.
-  uint8_t ceilings;
-} CompassRoom;
+  // Heights of camera and ceiling.
+  CompassHeights heights;
+} CompassPrior;
 
 // A pose on a floor.
-typedef struct CompassPose {
+typedef struct {
   // Map coordinate in 1/2^32 m: see compass_metres.
   int64_t x;
   // Map coordinate in 1/2^32 m: see compass_metres.
   int64_t y;
   // Heading of camera 0 in 1/2^32 turn, counter-clockwise from +x: see compass_degrees.
   uint32_t heading;
-  // Log-likelihood ratio against knowing nothing, 1/16 nat.
+  // Log-likelihood ratio against "nothing known", 1/16 nat.
   int32_t score;
-  // Number of the layer, in the order in which they were added.
+  // Number of the floor, in the order in which the sites have them and were added.
+  uint8_t floor;
+  // Which layer of the floor fits best: 0 the plan as drawn, 1 its structure alone.
   uint8_t layer;
+  // Name of the floor, with a zero behind it.
+  char floor_name[COMPASS_NAME_BYTES];
 } CompassPose;
 
 // Where the cameras are.
-typedef struct CompassFix {
+typedef struct {
   // The best pose and its alternatives, best first.
-  struct CompassPose poses[COMPASS_MAX_POSES];
-  // How many they are.
+  CompassPose poses[COMPASS_MAX_POSES];
+  // Number of poses; 0 if none was found.
   uint32_t count;
-  // How likely the best is within 1 m of the true one, 0 to 1.
+  // Probability that the best is within 1 m of the true one, 0 to 1.
   float probability;
   // Height of the cameras above the floor, metres, to 3 %: that given, or that found.
-  float height_m;
-  // The same as a step of 6.3 %, 0 for 1.5 m.
-  int8_t height;
-  // How many such steps the ceiling is higher above the cameras than the floor is below them.
-  int8_t ceiling;
+  float camera_height_m;
+  // Height of the ceiling above the floor, metres, to 3 % of the part above the cameras.
+  float ceiling_height_m;
+  // Both as the search counts them: for the next prior.
+  CompassHeights heights;
 } CompassFix;
 
-// How the cameras moved since the frames before, in the level axes they had then: forward is where camera 0 looked.
-typedef struct CompassMotion {
+// How the cameras moved since the frames that were tracked before, in the level axes they had then: forward is where
+// camera 0 looked.
+typedef struct {
   // Metres.
   float forward_m;
   // Metres.
@@ -154,104 +398,102 @@ typedef struct CompassMotion {
 } CompassMotion;
 
 // What is believed after a sequence of frames.
-typedef struct CompassEstimate {
+typedef struct {
   // The likeliest pose.
-  struct CompassPose pose;
-  // Its probability.
+  CompassPose pose;
+  // Its probability among the poses that are believed possible, 0 to 1; 0 if there is none.
   float probability;
-  // Root mean square distance of what else is possible on its floor, metres.
+  // Root mean square distance of the possible poses on its floor from it, metres.
   float spread_m;
 } CompassEstimate;
+
+// Range and hit type all around.
+typedef struct {
+  // Ranges in steps of COMPASS_STEP_MM, 1 to 1500.
+  uint16_t steps[COMPASS_BINS];
+  // What is there: 0 nothing within 30 m, 1 glazing, 2 a wall.
+  uint8_t hit[COMPASS_BINS];
+} CompassScan;
 
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
 
-// Bytes of memory for frames of this size; `fine` tells whether the lenses have 3 pixels a degree or more, that is a
-// focal length of 172 or more.
+// Version of the library: COMPASS_VERSION of the header that it was built with.
+uint32_t compass_version(void);
+
+// What a status means: a sentence that needs no freeing, for any number.
+const char *compass_status_text(CompassStatus status);
+
+// Settings to start from; for a number that is no preset, settings that are refused.
+CompassSettings compass_settings(CompassPreset preset);
+
+// Bytes of memory for two cameras with images of at most this size. 0 if settings are null or refused, or an image has
+// more than COMPASS_MAX_PIXELS.
 size_t compass_memory_bytes(uint16_t width,
                             uint16_t height,
-                            bool fine);
+                            const CompassSettings *settings);
 
-// Begins: a Compass in this memory, which must be aligned to 8 bytes and is used as long as the Compass is. Null if it
-// is too short even without frames, not aligned, or null. There is nothing to be freed.
-//
-// # Safety
-// `memory` is null or points to as many bytes, which nobody else uses.
-struct Compass *compass_new(uint8_t *memory,
-                            size_t bytes);
+// Begins: a Compass in this memory, which it uses until compass_end. COMPASS_ALIGNMENT says how the memory is aligned,
+// compass_memory_bytes how much it takes. `*compass` is null on failure. MEMORY,
+// SETTINGS.
+CompassStatus compass_new(void *memory,
+                          size_t bytes,
+                          const CompassSettings *settings,
+                          Compass **compass);
 
-// Adds all layers of all floors of a site file (`compass map build`), which is read in place: it must stay as it is as
-// long as the Compass is used. Checksums are compared, which reads the file once. Site, Full (then none is added).
-//
-// # Safety
-// Pointers are null or point to what they say.
-enum CompassStatus compass_add_site(struct Compass *compass,
-                                    const uint8_t *site,
-                                    size_t bytes);
+// Ends: the memory is the caller's again, and later calls are refused as long as it is not lent anew.
+CompassStatus compass_end(Compass *compass);
 
-// Adds one floor: its site map, and the packed plan it was made from, like a site file. Site, Full.
-//
-// # Safety
-// Pointers are null or point to what they say.
-enum CompassStatus compass_add_floor(struct Compass *compass,
-                                     const uint8_t *map,
-                                     size_t map_bytes,
-                                     const uint8_t *plan,
-                                     size_t plan_bytes);
+// Says why the last call with this Compass failed, with names and numbers: which camera, which sizes, how many bytes are
+// missing. Writes at most `bytes` bytes with the zero at the end, and returns the length of the whole sentence without it;
+// 0 if the last call succeeded. `buffer` may be null if `bytes` is 0.
+size_t compass_last_error(const Compass *compass,
+                          char *buffer,
+                          size_t bytes);
 
-// What surrounds a position in a layer's plan, cast with 360 rays; `x` and `y` as in CompassPose. Argument, Outside,
-// Occupied.
-//
-// # Safety
-// Pointers are null or point to what they say.
-enum CompassStatus compass_describe(const struct Compass *compass,
-                                    uint8_t layer,
-                                    int64_t x,
-                                    int64_t y,
-                                    uint32_t heading,
-                                    struct CompassScan *scan);
+// Adds all layers of all floors of a site file (`compass map build`), which is read in place: it must stay as it is until
+// compass_end. Checksums are compared, which reads the file twice. On failure none is added. Frames must be seen anew. SITE,
+// LAYERS.
+CompassStatus compass_add_site(Compass *compass,
+                               const void *site,
+                               size_t bytes);
 
-// Tells a camera, number 0 or 1; null takes it away. Argument for numbers that make no lens, no rotation or no size.
-//
-// # Safety
-// Pointers are null or point to what they say.
-enum CompassStatus compass_set_camera(struct Compass *compass,
-                                      uint8_t number,
-                                      const struct CompassCamera *camera);
+// Sets a camera, number 0 or 1; null takes it away. If it is refused the former stays. Frames must be seen anew.
+// CAMERA, MEMORY.
+CompassStatus compass_set_camera(Compass *compass,
+                                 uint8_t number,
+                                 const CompassCamera *camera);
 
-// Looks at the two frames, of all cameras that were set; `up` is roughly the upward direction in the axes of camera 0,
-// three numbers: a vector of any length. Argument, Camera, Memory, Up.
-//
-// # Safety
-// Pointers are null or point to what they say; frames are as large as their cameras say.
-enum CompassStatus compass_see(struct Compass *compass,
-                               const struct CompassFrame *frames,
-                               const float *up);
+// Looks at the frames of one moment: those of all cameras that were set, null for a camera that was not. They are not used
+// after the call. Of the prior `up_kind` and `up` are read. FRAME, PRIOR, ORDER, UP, AXIS.
+CompassStatus compass_see(Compass *compass,
+                          const CompassFrame *frame_0,
+                          const CompassFrame *frame_1,
+                          const CompassPrior *prior);
 
-// Finds the pose that explains best what was seen, over all layers. Argument, Order (nothing was seen), Nowhere.
-//
-// # Safety
-// Pointers are null or point to what they say.
-enum CompassStatus compass_locate(struct Compass *compass,
-                                  const struct CompassRoom *room,
-                                  struct CompassFix *fix);
+// Finds the pose that explains best what was seen, over all layers. May be called again with another prior, of which all
+// but `up_kind` and `up` are read. On failure `fix->count` is 0. PRIOR, ORDER, NOWHERE.
+CompassStatus compass_locate(Compass *compass,
+                             const CompassPrior *prior,
+                             CompassFix *fix);
 
-// Takes the frames that were just located into the belief over the sequence: `seconds` since the frames before, 0 for
-// the first; `motion` as measured since then, or null. Argument, Order (nothing was located), Nowhere.
-//
-// # Safety
-// Pointers are null or point to what they say.
-enum CompassStatus compass_track(struct Compass *compass,
-                                 float seconds,
-                                 const struct CompassMotion *motion,
-                                 struct CompassEstimate *estimate);
+// Takes the frames that were just located into the belief over the sequence, once, also after NOWHERE: `seconds` since the
+// frames tracked before, 0 for the first; `motion` as measured since then, or null. On failure `estimate->probability` is
+// 0. ORDER, MOTION, NOWHERE.
+CompassStatus compass_track(Compass *compass,
+                            float seconds,
+                            const CompassMotion *motion,
+                            CompassEstimate *estimate);
 
-// Forgets the sequence. Argument.
-//
-// # Safety
-// Pointers are null or point to what they say.
-enum CompassStatus compass_forget(struct Compass *compass);
+// Forgets the sequence: the next frames that are tracked are the first.
+CompassStatus compass_forget(Compass *compass);
+
+// What surrounds a pose in its plan, cast with 360 rays: floor, layer, x, y and heading of the pose are read. FLOOR,
+// OUTSIDE, OCCUPIED.
+CompassStatus compass_describe(Compass *compass,
+                               const CompassPose *pose,
+                               CompassScan *scan);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -1,15 +1,16 @@
-//! What crosses the boundary, and how it becomes what the core knows.
+//! Cameras, frames, poses and scans as the header has them.
 
-use compass_board::Error;
-use compass_core::base::ladder::height_rungs;
-use compass_core::vision::camera::{Camera, Intrinsics, KannalaBrandt, View};
-use compass_core::pose::ScoredPose;
-use compass_core::pose::locate::{Effort, Fix, HeightPrior};
+use crate::failure::Failure;
+use crate::prior::CompassHeights;
 use compass_core::base::num::Metres;
-use compass_core::map::plan::MarchError;
-use compass_core::base::scan::Scan;
-use compass_core::pose::track::{Estimate, Motion};
-use nalgebra::{Matrix3, Vector3};
+use compass_core::map::site::MAX_NAME_BYTES;
+use compass_core::pose::FloorLayer;
+use compass_core::{
+    BitMask, Camera, CameraError, Estimate, Eucm, ExclusionMask, Fix, Frame, GrayImage, Intrinsics,
+    KannalaBrandt, LocateError, Motion, Nats, Scan, ScoredPose, View,
+};
+use core::ffi::c_char;
+use core::{fmt, slice};
 
 /// Directions of a scan: direction j looks along heading + j degrees, counter-clockwise.
 pub const COMPASS_BINS: usize = 360;
@@ -17,77 +18,92 @@ pub const COMPASS_BINS: usize = 360;
 pub const COMPASS_STEP_MM: u32 = 20;
 /// Most poses of a fix: the best and its alternatives.
 pub const COMPASS_MAX_POSES: usize = 10;
-/// Most layers of floors that a Compass holds: of a site file two for each floor, the plan and its structure.
+/// Most layers of floors: a floor of a site has one or two, the plan as drawn and its structure.
 pub const COMPASS_MAX_LAYERS: usize = 16;
+/// Most pixels of an image.
+pub const COMPASS_MAX_PIXELS: u32 = 67_108_864;
+/// Bytes of a floor's name with the zero behind it, UTF-8.
+pub const COMPASS_NAME_BYTES: usize = 24;
 
 const _: () = assert!(COMPASS_BINS == compass_core::base::num::BINS);
 const _: () = assert!(COMPASS_STEP_MM == compass_core::base::scan::STEP_MM);
-const _: () = assert!(COMPASS_MAX_POSES == compass_core::descriptor::matching::MAX_ALTERNATIVES);
+const _: () = assert!(COMPASS_MAX_POSES == compass_core::base::pose::MAX_ALTERNATIVES);
+const _: () = assert!(COMPASS_NAME_BYTES == MAX_NAME_BYTES + 1);
+const _: () = assert!(Nats::FRAC_NBITS == 4 && Metres::FRAC_NBITS == 32, "as the comments say");
 
-/// What became of a call.
-#[repr(C)]
+/// The formula of a lens.
+#[repr(i32)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum CompassStatus {
-    /// Done.
-    Ok = 0,
-    /// A pointer is null that must not be, or a number makes no sense.
-    Argument = 1,
-    /// The memory is too short, or not aligned to 8 bytes.
-    Memory = 2,
-    /// The bytes are no site file, or no site map with the plan it was made from; or they are damaged.
-    Site = 3,
-    /// More than COMPASS_MAX_LAYERS layers.
-    Full = 4,
-    /// The position lies outside the plan.
-    Outside = 5,
-    /// The position lies inside a wall or glazing.
-    Occupied = 6,
-    /// The frames are not those of the cameras that were set.
-    Camera = 7,
-    /// Too few upright lines were seen to tell which way is up.
-    Up = 8,
-    /// The step before was not done.
-    Order = 9,
-    /// There is no pose: no layer was added, or nothing fits.
-    Nowhere = 10,
+pub enum CompassLensModel {
+    /// Kannala and Brandt: "equidistant" in Kalibr, "fisheye" in OpenCV.
+    KannalaBrandt = 1,
+    /// Enhanced unified camera model: "eucm" in Kalibr.
+    Eucm = 2,
 }
 
-impl From<Error> for CompassStatus {
-    fn from(error: Error) -> Self {
-        match error {
-            Error::Memory => Self::Memory,
-            Error::Up => Self::Up,
-            Error::Order => Self::Order,
-            // The cameras, and errors to come: frames that do not fit.
-            _ => Self::Camera,
-        }
+/// A model as C gives it: any number. The header calls it `CompassLensModel`.
+#[repr(transparent)]
+#[derive(Debug, Clone, Copy)]
+pub struct AnyLensModel(pub(crate) i32);
+
+/// Parameters of COMPASS_LENS_MODEL_KANNALA_BRANDT.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct CompassKannalaBrandt {
+    /// Coefficients k1 to k4.
+    pub k: [f32; 4],
+}
+
+/// Parameters of COMPASS_LENS_MODEL_EUCM.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct CompassEucm {
+    /// Share of the sphere in the model, 0 to 1.
+    pub alpha: f32,
+    /// Squared ratio of the ellipsoid's axes, above 0.
+    pub beta: f32,
+}
+
+/// Parameters of the lens: those of its model.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub union CompassLensParameters {
+    /// Of COMPASS_LENS_MODEL_KANNALA_BRANDT.
+    pub kannala_brandt: CompassKannalaBrandt,
+    /// Of COMPASS_LENS_MODEL_EUCM.
+    pub eucm: CompassEucm,
+}
+
+impl fmt::Debug for CompassLensParameters {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("CompassLensParameters").finish_non_exhaustive()
     }
 }
 
-impl From<MarchError> for CompassStatus {
-    fn from(error: MarchError) -> Self {
-        match error {
-            MarchError::Occupied => Self::Occupied,
-            _ => Self::Outside,
-        }
-    }
+/// A lens; the centre of the top left pixel is (0, 0).
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct CompassLens {
+    /// Which of the parameters hold.
+    pub model: AnyLensModel,
+    /// Focal length along x, pixels.
+    pub fx: f32,
+    /// Focal length along y, pixels.
+    pub fy: f32,
+    /// Principal point along x, pixels.
+    pub cx: f32,
+    /// Principal point along y, pixels.
+    pub cy: f32,
+    /// Parameters of the model.
+    pub parameters: CompassLensParameters,
 }
 
-/// A fisheye camera: lens of Kannala and Brandt ("equidistant" in Kalibr, "fisheye" in OpenCV). Axes are x right, y
-/// down, z forward.
+/// A fisheye camera. Axes are x right, y down, z forward.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CompassCamera {
-    /// Focal lengths, pixels.
-    pub fx: f32,
-    /// Focal lengths, pixels.
-    pub fy: f32,
-    /// Principal point, pixels.
-    pub cx: f32,
-    /// Principal point, pixels.
-    pub cy: f32,
-    /// Coefficients of the lens.
-    pub k: [f32; 4],
+    /// Its lens.
+    pub lens: CompassLens,
     /// Pixels along x.
     pub width: u16,
     /// Pixels along y.
@@ -98,16 +114,56 @@ pub struct CompassCamera {
     pub position_m: [f32; 3],
 }
 
+/// Departure from the identity that rounding explains.
+const ROUNDED: f32 = 1e-4;
+
 impl CompassCamera {
-    pub(crate) fn view(&self) -> Option<View> {
-        let Self { fx, fy, cx, cy, k, .. } = *self;
-        let lens = KannalaBrandt::new(Intrinsics { fx, fy, cx, cy }, k).ok()?;
-        let [x, y, z] = self.position_m;
-        Some(View {
-            rotation: Matrix3::from_row_slice(&self.rotation),
-            position: Vector3::new(x, y, z),
-            ..View::new(Camera::KannalaBrandt(lens), self.width, self.height)
-        })
+    /// The camera of this number.
+    ///
+    /// # Errors
+    /// Failures of [`CompassStatus::Camera`](crate::CompassStatus::Camera). The rig checks size and rotation.
+    pub(crate) fn view(&self, number: u8) -> Result<View, Failure> {
+        if u32::from(self.width) * u32::from(self.height) > COMPASS_MAX_PIXELS {
+            return Err(Failure::Pixels { camera: number });
+        }
+        if number == 0 && !self.is_at_the_origin() {
+            return Err(Failure::FirstCamera);
+        }
+        let mut view = View::new(self.lens.camera(number)?, self.width, self.height);
+        view.rotation.copy_from_slice(&self.rotation);
+        view.rotation.transpose_mut();
+        [view.position.x, view.position.y, view.position.z] = self.position_m;
+        Ok(view)
+    }
+
+    fn is_at_the_origin(&self) -> bool {
+        const IDENTITY: [f32; 9] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+        let near = |value: &f32, expected: &f32| (value - expected).abs() <= ROUNDED;
+        self.rotation.iter().zip(&IDENTITY).all(|(value, expected)| near(value, expected))
+            && self.position_m.iter().all(|value| *value == 0.0)
+    }
+}
+
+impl CompassLens {
+    fn camera(&self, number: u8) -> Result<Camera, Failure> {
+        const KANNALA_BRANDT: i32 = CompassLensModel::KannalaBrandt as i32;
+        const EUCM: i32 = CompassLensModel::Eucm as i32;
+        let Self { fx, fy, cx, cy, parameters, .. } = *self;
+        let intrinsics = Intrinsics { fx, fy, cx, cy };
+        let camera: Result<Camera, CameraError> = match self.model.0 {
+            KANNALA_BRANDT => {
+                // SAFETY: floats, of which all bits are numbers; the model says that the caller set these.
+                let CompassKannalaBrandt { k } = unsafe { parameters.kannala_brandt };
+                KannalaBrandt::new(intrinsics, k).map(Camera::KannalaBrandt)
+            }
+            EUCM => {
+                // SAFETY: as before.
+                let CompassEucm { alpha, beta } = unsafe { parameters.eucm };
+                Eucm::new(intrinsics, alpha, beta).map(Camera::Eucm)
+            }
+            _ => return Err(Failure::Model(number)),
+        };
+        camera.map_err(|error| Failure::Camera(number, error))
     }
 }
 
@@ -115,11 +171,62 @@ impl CompassCamera {
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CompassFrame {
-    /// Gray levels, row by row, of the camera's width and height; null if there is no frame of this camera.
+    /// Gray levels, row by row without gaps.
     pub gray: *const u8,
-    /// One bit a pixel, set where it is red (safety gear in front of a window): rows of (width + 7) / 8 bytes, the first
-    /// pixel in the lowest bit; null if that is not known.
-    pub red: *const u8,
+    /// Bytes of them: width times height.
+    pub gray_bytes: usize,
+    /// Exclusion mask, one bit a pixel, set where the image says nothing of the building (safety gear in front of a
+    /// window): rows of (width + 7) / 8 bytes, the first pixel in the lowest bit. Null if nothing is to be left out.
+    pub excluded: *const u8,
+    /// Bytes of it: rows times height; 0 without a mask.
+    pub excluded_bytes: usize,
+    /// Pixels along x: that of the camera.
+    pub width: u16,
+    /// Pixels along y: that of the camera.
+    pub height: u16,
+}
+
+impl CompassFrame {
+    /// The frame of this camera, which has this view in the rig, borrowed from the caller.
+    ///
+    /// # Errors
+    /// [`LocateError::Camera`], [`LocateError::Size`], [`Failure::Null`], [`Failure::FrameBytes`].
+    ///
+    /// # Safety
+    /// Pointers that are not null point to as many bytes as the fields beside them say, for the lifetime of the answer.
+    pub(crate) unsafe fn borrow<'f>(&self, camera: u8, view: Option<&View>) -> Result<Frame<'f>, Failure> {
+        let view = view.ok_or(LocateError::Camera { camera, missing: false })?;
+        let [expected, found] =
+            [[view.width, view.height], [self.width, self.height]].map(|size| size.map(u32::from));
+        let size = LocateError::Size { camera, expected, found };
+        if found != expected {
+            return Err(size.into());
+        }
+        if self.gray.is_null() {
+            return Err(Failure::Null("frame.gray"));
+        }
+        let [width, height] = found;
+        let check = |part, expected: usize, found: usize| {
+            if found == expected {
+                Ok(())
+            } else {
+                Err(Failure::FrameBytes { camera, part, expected, found })
+            }
+        };
+        check("gray levels", width as usize * height as usize, self.gray_bytes)?;
+        // SAFETY: not null, the caller vouches for the length, and a camera has at most COMPASS_MAX_PIXELS.
+        let gray = unsafe { slice::from_raw_parts(self.gray, self.gray_bytes) };
+        let gray = GrayImage::new(gray, width, height).map_err(|_| size)?;
+        if self.excluded.is_null() {
+            check("exclusion mask", 0, self.excluded_bytes)?;
+            return Ok(gray.into());
+        }
+        check("exclusion mask", BitMask::row_bytes(width) * height as usize, self.excluded_bytes)?;
+        // SAFETY: as before.
+        let excluded = unsafe { slice::from_raw_parts(self.excluded, self.excluded_bytes) };
+        let excluded = BitMask::new(excluded, width, height).map_err(|_| size)?;
+        Ok(Frame { gray, excluded: ExclusionMask::Mask(excluded) })
+    }
 }
 
 /// Range and hit type all around.
@@ -138,27 +245,6 @@ impl From<&Scan> for CompassScan {
     }
 }
 
-/// What is known beforehand, and how much work the search may do.
-#[repr(C)]
-#[derive(Debug, Clone, Copy)]
-pub struct CompassRoom {
-    /// Height of the cameras above the floor, metres; 0 if it is to be found as well, which takes 2 to 5 times as long in all.
-    pub camera_height_m: f32,
-    /// Places to look at closely, 1 to 48: 8 do if the height is told, 24 if it is not.
-    pub places: u8,
-    /// Heights of the ceiling to try until an answer is sure: 1 does if the camera's height is told, 3 if it is not.
-    pub ceilings: u8,
-}
-
-impl CompassRoom {
-    pub(crate) fn parts(&self) -> (HeightPrior, Effort) {
-        let told = self.camera_height_m > 0.0;
-        let room = HeightPrior { height: told.then(|| height_rungs(self.camera_height_m)), ceiling: None };
-        let effort = Effort::on_board(&room);
-        (room, Effort { modes: self.places.into(), ceilings: self.ceilings.into(), ..effort })
-    }
-}
-
 /// A pose on a floor.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
@@ -169,20 +255,31 @@ pub struct CompassPose {
     pub y: i64,
     /// Heading of camera 0 in 1/2^32 turn, counter-clockwise from +x: see compass_degrees.
     pub heading: u32,
-    /// Log-likelihood ratio against knowing nothing, 1/16 nat.
+    /// Log-likelihood ratio against "nothing known", 1/16 nat.
     pub score: i32,
-    /// Number of the layer, in the order in which they were added.
+    /// Number of the floor, in the order in which the sites have them and were added.
+    pub floor: u8,
+    /// Which layer of the floor fits best: 0 the plan as drawn, 1 its structure alone.
     pub layer: u8,
+    /// Name of the floor, with a zero behind it.
+    pub floor_name: [c_char; COMPASS_NAME_BYTES],
 }
 
 impl CompassPose {
-    const NONE: Self = Self { x: 0, y: 0, heading: 0, score: 0, layer: 0 };
-}
+    const NONE: Self =
+        Self { x: 0, y: 0, heading: 0, score: 0, floor: 0, layer: 0, floor_name: [0; COMPASS_NAME_BYTES] };
 
-impl From<&ScoredPose> for CompassPose {
-    fn from(mode: &ScoredPose) -> Self {
-        let [x, y] = [mode.at.x, mode.at.y].map(Metres::to_bits);
-        Self { x, y, heading: mode.heading.to_bits(), score: mode.score.to_bits(), layer: mode.layer }
+    /// A pose on one of the layers.
+    pub(crate) fn new(scored: &ScoredPose, layers: &[Option<FloorLayer<'_>>]) -> Self {
+        let [x, y] = [scored.at.x, scored.at.y].map(Metres::to_bits);
+        let (heading, score) = (scored.heading.to_bits(), scored.score.to_bits());
+        let pose = Self { x, y, heading, score, ..Self::NONE };
+        let Some(Some(layer)) = layers.get(usize::from(scored.layer)) else { return pose };
+        let mut floor_name = [0; COMPASS_NAME_BYTES];
+        // The last place stays zero.
+        let (places, _) = floor_name.split_at_mut(MAX_NAME_BYTES);
+        places.iter_mut().zip(layer.name.bytes()).for_each(|(place, byte)| *place = byte as c_char);
+        Self { floor: layer.floor, layer: layer.number, floor_name, ..pose }
     }
 }
 
@@ -192,34 +289,45 @@ impl From<&ScoredPose> for CompassPose {
 pub struct CompassFix {
     /// The best pose and its alternatives, best first.
     pub poses: [CompassPose; COMPASS_MAX_POSES],
-    /// How many they are.
+    /// Number of poses; 0 if none was found.
     pub count: u32,
-    /// How likely the best is within 1 m of the true one, 0 to 1.
+    /// Probability that the best is within 1 m of the true one, 0 to 1.
     pub probability: f32,
     /// Height of the cameras above the floor, metres, to 3 %: that given, or that found.
-    pub height_m: f32,
-    /// The same as a step of 6.3 %, 0 for 1.5 m.
-    pub height: i8,
-    /// How many such steps the ceiling is higher above the cameras than the floor is below them.
-    pub ceiling: i8,
+    pub camera_height_m: f32,
+    /// Height of the ceiling above the floor, metres, to 3 % of the part above the cameras.
+    pub ceiling_height_m: f32,
+    /// Both as the search counts them: for the next prior.
+    pub heights: CompassHeights,
 }
 
-impl From<&Fix> for CompassFix {
-    fn from(fix: &Fix) -> Self {
+impl CompassFix {
+    pub(crate) const NONE: Self = Self {
+        poses: [CompassPose::NONE; COMPASS_MAX_POSES],
+        count: 0,
+        probability: 0.0,
+        camera_height_m: 0.0,
+        ceiling_height_m: 0.0,
+        heights: CompassHeights { camera: 0, ceiling: 0 },
+    };
+
+    pub(crate) fn new(fix: &Fix<'_>, layers: &[Option<FloorLayer<'_>>]) -> Self {
         let mut poses = [CompassPose::NONE; COMPASS_MAX_POSES];
-        poses.iter_mut().zip(fix.answer.modes()).for_each(|(pose, mode)| *pose = mode.into());
+        poses.iter_mut().zip(fix.poses()).for_each(|(pose, scored)| *pose = CompassPose::new(scored, layers));
+        let [camera, ceiling] = fix.heights().to_rungs();
         Self {
             poses,
-            count: fix.answer.modes().len() as u32,
+            count: fix.poses().len().min(COMPASS_MAX_POSES) as u32,
             probability: fix.probability(),
-            height_m: fix.height_m(),
-            height: fix.height,
-            ceiling: fix.ceiling,
+            camera_height_m: fix.camera_height_m(),
+            ceiling_height_m: fix.ceiling_height_m(),
+            heights: CompassHeights { camera, ceiling },
         }
     }
 }
 
-/// How the cameras moved since the frames before, in the level axes they had then: forward is where camera 0 looked.
+/// How the cameras moved since the frames that were tracked before, in the level axes they had then: forward is where
+/// camera 0 looked.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CompassMotion {
@@ -231,10 +339,16 @@ pub struct CompassMotion {
     pub turn: f32,
 }
 
-impl From<&CompassMotion> for Motion {
-    fn from(motion: &CompassMotion) -> Self {
-        let CompassMotion { forward_m, left_m, turn } = *motion;
-        Self { forward_m, left_m, turn }
+impl CompassMotion {
+    /// # Errors
+    /// [`Failure::Motion`].
+    pub(crate) fn check(&self) -> Result<Motion, Failure> {
+        let Self { forward_m, left_m, turn } = *self;
+        if [forward_m, left_m, turn].iter().all(|value| value.is_finite()) {
+            Ok(Motion { forward_m, left_m, turn })
+        } else {
+            Err(Failure::Motion("the motion is infinite or not a number"))
+        }
     }
 }
 
@@ -244,15 +358,17 @@ impl From<&CompassMotion> for Motion {
 pub struct CompassEstimate {
     /// The likeliest pose.
     pub pose: CompassPose,
-    /// Its probability.
+    /// Its probability among the poses that are believed possible, 0 to 1; 0 if there is none.
     pub probability: f32,
-    /// Root mean square distance of what else is possible on its floor, metres.
+    /// Root mean square distance of the possible poses on its floor from it, metres.
     pub spread_m: f32,
 }
 
-impl From<&Estimate> for CompassEstimate {
-    fn from(estimate: &Estimate) -> Self {
-        let Estimate { mode, probability, spread_m } = estimate;
-        Self { pose: mode.into(), probability: *probability, spread_m: *spread_m }
+impl CompassEstimate {
+    pub(crate) const NONE: Self = Self { pose: CompassPose::NONE, probability: 0.0, spread_m: 0.0 };
+
+    pub(crate) fn new(estimate: &Estimate, layers: &[Option<FloorLayer<'_>>]) -> Self {
+        let Estimate { mode, probability, spread_m } = *estimate;
+        Self { pose: CompassPose::new(&mode, layers), probability, spread_m }
     }
 }

@@ -8,7 +8,7 @@ fn the_header_is_that_of_the_source() {
     let directory = Path::new(env!("CARGO_MANIFEST_DIR"));
     let config = cbindgen::Config::from_file(directory.join("cbindgen.toml")).unwrap();
     let mut builder = cbindgen::Builder::new().with_config(config);
-    for source in ["types.rs", "compass.rs"] {
+    for source in ["status.rs", "settings.rs", "prior.rs", "types.rs", "compass.rs", "functions.rs"] {
         builder = builder.with_src(directory.join("src").join(source));
     }
     let mut made = Vec::new();
@@ -19,5 +19,9 @@ fn the_header_is_that_of_the_source() {
     if env::var_os("REGENERATE").is_some() {
         fs::write(&file, &text).unwrap();
     }
-    assert_eq!(fs::read_to_string(file).unwrap(), text, "make it anew with REGENERATE=1 cargo test");
+    assert_eq!(
+        fs::read_to_string(file).unwrap(),
+        text,
+        "make it anew with REGENERATE=1 cargo test --test header"
+    );
 }

@@ -1,0 +1,133 @@
+//! What is known before anything is seen.
+
+use crate::failure::Failure;
+use compass_core::base::ladder::HEIGHTS_M;
+use compass_core::pose::heights::Heights;
+use compass_core::{Bearing, HeightPrior};
+
+/// Least height of the cameras above the floor that can be known, metres.
+pub const COMPASS_LEAST_CAMERA_HEIGHT_M: f32 = 0.55;
+/// Largest height of the cameras above the floor that can be known, metres.
+pub const COMPASS_MOST_CAMERA_HEIGHT_M: f32 = 2.4;
+
+const _: () = assert!(COMPASS_LEAST_CAMERA_HEIGHT_M == HEIGHTS_M[0]);
+const _: () = assert!(COMPASS_MOST_CAMERA_HEIGHT_M == HEIGHTS_M[1]);
+
+/// What is known of the upward direction. There is no 0: a prior that says nothing is refused.
+#[repr(i32)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CompassUpKind {
+    /// Unknown but for camera 0 being upright or upside down, to about 35 degrees: vertical lines tell the axis, and the
+    /// sky in the windows the side.
+    Unknown = 1,
+    /// Near `up`, to about 35 degrees: the mounting, or an accelerometer. Vertical lines tell the rest.
+    Near = 2,
+    /// Exactly `up`, to a degree or better: no vertical lines are needed.
+    Exact = 3,
+}
+
+/// What is known of the heights of camera and ceiling. There is no 0: a prior that says nothing is refused.
+#[repr(i32)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CompassHeightKind {
+    /// Unknown: both are searched, which takes 2 to 5 times as long in all.
+    Unknown = 1,
+    /// The cameras' height above the floor is `camera_height_m`.
+    Camera = 2,
+    /// Both are `heights`, as from an earlier fix on this floor.
+    Both = 3,
+}
+
+/// What is known of up, as C gives it: any number. The header calls it `CompassUpKind`.
+#[repr(transparent)]
+#[derive(Debug, Clone, Copy)]
+pub struct AnyUpKind(pub(crate) i32);
+
+/// What is known of heights, as C gives it: any number. The header calls it `CompassHeightKind`.
+#[repr(transparent)]
+#[derive(Debug, Clone, Copy)]
+pub struct AnyHeightKind(pub(crate) i32);
+
+/// Heights as the search counts them, in steps of 6.3 %: copy them from a fix.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct CompassHeights {
+    /// Height of the cameras above the floor, 0 for 1.5 m.
+    pub camera: i8,
+    /// By how many steps the ceiling is higher above the cameras than the floor is below them.
+    pub ceiling: i8,
+}
+
+/// What is known before anything is seen.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct CompassPrior {
+    /// What `up` says: read by compass_see.
+    pub up_kind: AnyUpKind,
+    /// Upward direction in the axes of camera 0, of any length: {0, -1, 0} if it is upright, {0, 1, 0} upside down.
+    pub up: [f32; 3],
+    /// Which of the fields below hold: read by compass_locate.
+    pub height_kind: AnyHeightKind,
+    /// Height of the cameras above the floor, metres, COMPASS_LEAST_CAMERA_HEIGHT_M to COMPASS_MOST_CAMERA_HEIGHT_M.
+    pub camera_height_m: f32,
+    /// Heights of camera and ceiling.
+    pub heights: CompassHeights,
+}
+
+/// What is known of the upward direction.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Up {
+    Unknown,
+    Near(Bearing),
+    Exact(Bearing),
+}
+
+impl CompassPrior {
+    /// # Errors
+    /// [`Failure::Prior`].
+    pub(crate) fn up(&self) -> Result<Up, Failure> {
+        const UNKNOWN: i32 = CompassUpKind::Unknown as i32;
+        const NEAR: i32 = CompassUpKind::Near as i32;
+        const EXACT: i32 = CompassUpKind::Exact as i32;
+        match self.up_kind.0 {
+            UNKNOWN => Ok(Up::Unknown),
+            NEAR => self.direction().map(Up::Near),
+            EXACT => self.direction().map(Up::Exact),
+            _ => Err(Failure::Prior("up_kind does not say what is known of the upward direction")),
+        }
+    }
+
+    /// The up vector with its largest component at 1, so that any length will do.
+    fn direction(&self) -> Result<Bearing, Failure> {
+        if !self.up.iter().all(|value| value.is_finite()) {
+            return Err(Failure::Prior("the up vector is infinite or not a number"));
+        }
+        let largest = self.up.iter().fold(0.0f32, |largest, value| largest.max(value.abs()));
+        if largest == 0.0 {
+            return Err(Failure::Prior("the up vector is zero"));
+        }
+        let [x, y, z] = self.up.map(|value| value / largest);
+        Ok(Bearing::new(x, y, z))
+    }
+
+    /// # Errors
+    /// [`Failure::Prior`].
+    pub(crate) fn heights(&self) -> Result<HeightPrior, Failure> {
+        const UNKNOWN: i32 = CompassHeightKind::Unknown as i32;
+        const CAMERA: i32 = CompassHeightKind::Camera as i32;
+        const BOTH: i32 = CompassHeightKind::Both as i32;
+        const RANGE: core::ops::RangeInclusive<f32> =
+            COMPASS_LEAST_CAMERA_HEIGHT_M..=COMPASS_MOST_CAMERA_HEIGHT_M;
+        let height = match self.height_kind.0 {
+            UNKNOWN => return Ok(HeightPrior::UNKNOWN),
+            CAMERA => HeightPrior::camera(self.camera_height_m),
+            BOTH => HeightPrior::both(Heights::from_rungs([self.heights.camera, self.heights.ceiling])),
+            _ => return Err(Failure::Prior("height_kind does not say what is known of the heights")),
+        };
+        // A height that is rounded to steps may lie half a step beyond the bounds.
+        let camera_m = height.camera_m().unwrap_or(f32::NAN);
+        let slack = if self.height_kind.0 == BOTH { 1.04 } else { 1.0 };
+        let inside = RANGE.contains(&(camera_m * slack)) || RANGE.contains(&(camera_m / slack));
+        if inside { Ok(height) } else { Err(Failure::Prior("the camera height lies outside 0.55 to 2.4 m")) }
+    }
+}

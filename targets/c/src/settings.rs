@@ -1,0 +1,250 @@
+//! How the pipeline works: presets, and the fields worth changing.
+
+use crate::failure::Failure;
+use compass_core::Settings;
+use compass_core::locator::Smoothing;
+use compass_core::pose::locate::{Effort, MAX_MODES};
+use compass_core::pose::{Headings, MAX_POOL};
+use compass_core::vision::boundary::MAX_CEILINGS;
+use compass_core::vision::panorama::Resolution;
+
+/// Where settings start.
+#[repr(i32)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CompassPreset {
+    /// For a microcontroller with 512 KiB of RAM, and frames of 368 x 360 pixels.
+    Board = 1,
+    /// For a computer: 9.2 MB of memory for frames of 1472 x 1440 pixels.
+    Full = 2,
+}
+
+/// Whether frames are smoothed for windows and boundaries.
+#[repr(i32)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CompassSmoothing {
+    /// Frames are taken as they are.
+    Off = 0,
+    /// Each stage smooths its frames anew: more work, no more memory.
+    Again = 1,
+    /// Smoothed frames are kept: a byte of memory a pixel. The same poses as with Again.
+    Kept = 2,
+}
+
+/// A preset as C gives it: any number. The header calls it `CompassPreset`.
+#[repr(transparent)]
+#[derive(Debug, Clone, Copy)]
+pub struct AnyPreset(pub(crate) i32);
+
+/// A smoothing as C gives it: any number. The header calls it `CompassSmoothing`.
+#[repr(transparent)]
+#[derive(Debug, Clone, Copy)]
+pub struct AnySmoothing(pub(crate) i32);
+
+/// Work of the search.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct CompassEffort {
+    /// Poses that are refined, 1 to 48.
+    pub modes: u8,
+    /// Poses of these that are refined to the end, 1 to 48: the others are right to a decimetre or two.
+    pub settled: u8,
+    /// Heights of the ceiling that are tried until an answer is sure, 1 to 4.
+    pub ceilings: u8,
+    /// Stride of the rays that coarse refinement casts, 4 to 36.
+    pub rays: u8,
+    /// 1 if an answer that is not sure is sought once more with twice as many camera heights, else 0.
+    pub again: u8,
+}
+
+/// How the pipeline works. Start from compass_settings and change what differs.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct CompassSettings {
+    /// The preset that the fields come from: of what has no field here its values hold.
+    pub preset: AnyPreset,
+    /// Whether frames are smoothed.
+    pub smoothing: AnySmoothing,
+    /// Segments kept of each frame, 1 to 65536.
+    pub segments: u32,
+    /// Near-vertical segments of both frames, 1 to 65536.
+    pub vertical_segments: u32,
+    /// Pairs of edges that are scored as windows, 1 to 65536.
+    pub boxes: u32,
+    /// Windows all around, 1 to 65536.
+    pub windows: u32,
+    /// Poses that the search keeps for refinement, 64 to 4096.
+    pub pool: u32,
+    /// Headings at which candidates are scored: 40 or 90.
+    pub headings: u16,
+    /// Finest cells of the panorama, in a degree: 2 or 4. Lenses of fewer than 3 pixels a degree have 2 in any case.
+    pub panorama_per_degree: u8,
+    /// 1 if segments are sought within 95 degrees of the optical axis alone (a bit of memory a pixel), else 0.
+    pub lens_field_mask: u8,
+    /// Work of the search where the camera's height is unknown.
+    pub effort: CompassEffort,
+    /// Work of the search where it is known.
+    pub effort_at_known_height: CompassEffort,
+}
+
+/// Most elements of each kind: products with their sizes fit 32 bits.
+const MOST_ELEMENTS: u32 = 65_536;
+/// The search asks for as many.
+const LEAST_POOL: u32 = 64;
+/// Strides of rays that leave 10 of 360 at least.
+const RAYS: [u32; 2] = [4, 36];
+
+const _: () = assert!(MAX_MODES == 48 && MAX_CEILINGS == 4 && MAX_POOL == 4096, "as the comments say");
+
+impl CompassSettings {
+    /// The values of a preset; for another number settings that are refused.
+    pub(crate) fn of(preset: AnyPreset) -> Self {
+        let Ok(settings) = base(preset) else { return Self::NONE };
+        let Settings { segments, vertical_segments, boxes, windows, pool, .. } = settings;
+        let [segments, vertical_segments, boxes, windows, pool] =
+            [segments, vertical_segments, boxes, windows, pool].map(|count| count as u32);
+        let smoothing = match settings.smoothing {
+            Smoothing::Off => CompassSmoothing::Off,
+            Smoothing::Again => CompassSmoothing::Again,
+            Smoothing::Kept => CompassSmoothing::Kept,
+        };
+        Self {
+            preset,
+            smoothing: AnySmoothing(smoothing as i32),
+            segments,
+            vertical_segments,
+            boxes,
+            windows,
+            pool,
+            headings: settings.headings.count(),
+            panorama_per_degree: settings.panorama.per_degree() as u8,
+            lens_field_mask: settings.lens_field_mask.into(),
+            effort: CompassEffort::new(&settings.effort),
+            effort_at_known_height: CompassEffort::new(&settings.effort_at_known_height),
+        }
+    }
+
+    /// No preset: refused.
+    const NONE: Self = {
+        const EFFORT: CompassEffort = CompassEffort { modes: 0, settled: 0, ceilings: 0, rays: 0, again: 0 };
+        Self {
+            preset: AnyPreset(0),
+            smoothing: AnySmoothing(0),
+            segments: 0,
+            vertical_segments: 0,
+            boxes: 0,
+            windows: 0,
+            pool: 0,
+            headings: 0,
+            panorama_per_degree: 0,
+            lens_field_mask: 0,
+            effort: EFFORT,
+            effort_at_known_height: EFFORT,
+        }
+    };
+
+    /// What the core knows them as.
+    ///
+    /// # Errors
+    /// [`Failure::Preset`], [`Failure::Setting`].
+    pub(crate) fn check(&self) -> Result<Settings, Failure> {
+        let base = base(self.preset)?;
+        let count = |name, value| ranged(name, value, [1, MOST_ELEMENTS]);
+        Ok(Settings {
+            smoothing: self.smoothing()?,
+            segments: count("segments", self.segments)?,
+            vertical_segments: count("vertical_segments", self.vertical_segments)?,
+            boxes: count("boxes", self.boxes)?,
+            windows: count("windows", self.windows)?,
+            pool: ranged("pool", self.pool, [LEAST_POOL, MAX_POOL as u32])?,
+            headings: match self.headings {
+                40 => Headings::N40,
+                90 => Headings::N90,
+                _ => return Err(Failure::Setting("headings (40 or 90)", 40, 90)),
+            },
+            panorama: match self.panorama_per_degree {
+                2 => Resolution::COARSE,
+                4 => Resolution::FINE,
+                _ => return Err(Failure::Setting("panorama_per_degree (2 or 4)", 2, 4)),
+            },
+            lens_field_mask: flag("lens_field_mask", self.lens_field_mask)?,
+            effort: self.effort.check()?,
+            effort_at_known_height: self.effort_at_known_height.check()?,
+            ..base
+        })
+    }
+
+    fn smoothing(&self) -> Result<Smoothing, Failure> {
+        const OFF: i32 = CompassSmoothing::Off as i32;
+        const AGAIN: i32 = CompassSmoothing::Again as i32;
+        const KEPT: i32 = CompassSmoothing::Kept as i32;
+        match self.smoothing.0 {
+            OFF => Ok(Smoothing::Off),
+            AGAIN => Ok(Smoothing::Again),
+            KEPT => Ok(Smoothing::Kept),
+            _ => Err(Failure::Setting("smoothing", OFF as u32, KEPT as u32)),
+        }
+    }
+}
+
+impl CompassEffort {
+    const fn new(effort: &Effort) -> Self {
+        let Effort { modes, settled, ceilings, rays, again } = *effort;
+        Self {
+            modes: modes as u8,
+            settled: settled as u8,
+            ceilings: ceilings as u8,
+            rays: rays as u8,
+            again: again as u8,
+        }
+    }
+
+    fn check(&self) -> Result<Effort, Failure> {
+        let modes = [1, MAX_MODES as u32];
+        Ok(Effort {
+            modes: ranged("effort.modes", self.modes.into(), modes)?,
+            settled: ranged("effort.settled", self.settled.into(), modes)?,
+            ceilings: ranged("effort.ceilings", self.ceilings.into(), [1, MAX_CEILINGS as u32])?,
+            rays: ranged("effort.rays", self.rays.into(), RAYS)?,
+            again: flag("effort.again", self.again)?,
+        })
+    }
+}
+
+fn base(preset: AnyPreset) -> Result<Settings, Failure> {
+    const BOARD: i32 = CompassPreset::Board as i32;
+    const FULL: i32 = CompassPreset::Full as i32;
+    match preset.0 {
+        BOARD => Ok(Settings::BOARD),
+        FULL => Ok(Settings::FULL),
+        _ => Err(Failure::Preset),
+    }
+}
+
+fn ranged(name: &'static str, value: u32, [least, most]: [u32; 2]) -> Result<usize, Failure> {
+    if (least..=most).contains(&value) {
+        Ok(value as usize)
+    } else {
+        Err(Failure::Setting(name, least, most))
+    }
+}
+
+fn flag(name: &'static str, value: u8) -> Result<bool, Failure> {
+    ranged(name, value.into(), [0, 1]).map(|value| value == 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn presets_are_those_of_the_core() {
+        for (preset, settings) in
+            [(CompassPreset::Board, Settings::BOARD), (CompassPreset::Full, Settings::FULL)]
+        {
+            assert_eq!(CompassSettings::of(AnyPreset(preset as i32)).check().unwrap(), settings);
+        }
+        for preset in [0, -1, 3] {
+            assert!(matches!(CompassSettings::of(AnyPreset(preset)).check(), Err(Failure::Preset)));
+        }
+    }
+}
