@@ -11,8 +11,9 @@ use crate::types::{
     COMPASS_MAX_LAYERS, COMPASS_MAX_PIXELS, CompassCamera, CompassEstimate, CompassFix, CompassFrame,
     CompassMotion, CompassPose, CompassScan,
 };
-use compass_core::locator::{CAMERAS, Seen};
+use compass_core::locator::Seen;
 use compass_core::pose::FloorLayer;
+use compass_core::vision::camera::CAMERAS;
 use compass_core::{
     Bearing, Fix, Locator, Metres, Point, Rig, Scan, Settings, Site, Track, Turn, UpHint, View,
 };
