@@ -129,9 +129,19 @@ impl<'a, M: AsRef<[u32]> + AsMut<[u32]>, const LAYERS: usize> Locator<'a, M, (),
     /// # Errors
     /// [`Error::Memory`] says how much is missing.
     pub fn without_site(rig: Rig, settings: Settings, memory: M) -> Result<Self, Error> {
+        Self::traced(rig, settings, memory, ())
+    }
+}
+
+impl<'a, M: AsRef<[u32]> + AsMut<[u32]>, T: Trace, const LAYERS: usize> Locator<'a, M, T, LAYERS> {
+    /// For the cameras of a rig, with a sink of what the stages find; layers may be added.
+    ///
+    /// # Errors
+    /// [`Error::Memory`] says how much is missing.
+    pub fn traced(rig: Rig, settings: Settings, memory: M, trace: T) -> Result<Self, Error> {
         settings.check(&rig, memory.as_ref().len())?;
         let resolution = settings.resolution(&rig);
-        Ok(Self { layers: Vec::new(), rig, settings, resolution, trace: (), found: Found::NOTHING, memory })
+        Ok(Self { layers: Vec::new(), rig, settings, resolution, trace, found: Found::NOTHING, memory })
     }
 }
 

@@ -129,7 +129,7 @@ pub struct Workspace {
 /// Bytes of RAM by what they are for; a board needs those of its own use. The rest of the [`Workspace`] keeps outputs
 /// for their checksums.
 pub const RAM: [(&str, usize); 4] = [
-    ("eyes", POSE_RAM),
+    ("locator", POSE_RAM),
     ("track", size_of::<Track>()),
     (
         "shortlist",
@@ -479,7 +479,7 @@ mod tests {
     fn the_sample_frames_show_the_sample_building() {
         let inputs = Inputs::SAMPLE;
         let mut words = vec![0; WORDS];
-        let mut locator = inputs.locator(&mut words);
+        let mut locator = inputs.locator(&mut words, ());
         let mut segmented = locator.segment(&frames()).unwrap();
         assert!([0, 1].iter().all(|camera| segmented.segments(*camera).len() > 40));
         let up = segmented.vertical(prior().up).unwrap();

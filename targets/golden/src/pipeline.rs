@@ -11,7 +11,7 @@ use compass_core::vision::segments::Segment;
 use compass_core::vision::windows::{Window, WindowEvidence};
 
 /// A locator of one layer.
-pub(crate) type SampleLocator<'a, 'm> = Locator<'a, &'m mut [u32], (), 1>;
+pub(crate) type SampleLocator<'a, 'm, T> = Locator<'a, &'m mut [u32], T, 1>;
 
 /// Bytes of RAM on the way from frames to a pose, beside the stack.
 pub const POSE_RAM: usize = size_of::<[u32; WORDS]>();
@@ -35,7 +35,7 @@ impl Memory {
 /// Locates the frames, and takes them twice into a track: a fifth of a second and a few centimetres apart by odometry.
 #[inline(never)]
 pub(crate) fn run(inputs: &Inputs<'_>, memory: &mut Memory, report: &mut impl Report) {
-    let mut locator = inputs.locator(&mut memory.words).with_trace(Checks { report, tracked: 0 });
+    let mut locator = inputs.locator(&mut memory.words, Checks { report, tracked: 0 });
     let prior = prior();
     let segmented = locator.segment(&frames()).expect("the frames are those of the rig");
     let mut seen = segmented.level_near(prior.up).expect("there are upright lines").see();

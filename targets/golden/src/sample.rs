@@ -4,7 +4,7 @@ use crate::Inputs;
 use crate::pipeline::SampleLocator;
 use compass_core::base::num::{Metres, Point, Turn};
 use compass_core::base::raster::{BitMask, GrayImage};
-use compass_core::locator::{Frame, Frames, Locator, Prior, Settings};
+use compass_core::locator::{Frame, Frames, Locator, Prior, Settings, Trace};
 use compass_core::pose::heights::HeightPrior;
 use compass_core::vision::attitude::UpHint;
 use compass_core::vision::camera::{Bearing, Camera, Intrinsics, KannalaBrandt, Rig, View};
@@ -82,12 +82,14 @@ pub fn rig() -> Rig {
 }
 
 impl<'a> Inputs<'a> {
-    /// A locator for the frames on the floor of these inputs.
+    /// A locator for the frames on the floor of these inputs, with a sink of what its stages find.
     ///
     /// # Panics
     /// Never with the memory that [`WORDS`] says.
-    pub(crate) fn locator<'m>(&self, memory: &'m mut [u32]) -> SampleLocator<'a, 'm> {
-        let locator = Locator::new(&self.site(), rig(), Settings::BOARD, memory);
-        locator.expect("the memory is made for the frames, and there is room for a floor")
+    pub(crate) fn locator<'m, T: Trace>(&self, memory: &'m mut [u32], trace: T) -> SampleLocator<'a, 'm, T> {
+        let locator = Locator::traced(rig(), Settings::BOARD, memory, trace);
+        let mut locator = locator.expect("the memory is made for the frames");
+        locator.add_site(&self.site()).expect("there is room for a floor");
+        locator
     }
 }

@@ -41,8 +41,9 @@ impl Shots {
         trace: &mut impl Trace,
     ) -> Result<Located<'a>, Error> {
         let header = shot.header();
-        let locator = Locator::<_, _, 16>::new(site, header.rig, Settings::BOARD, &mut self.words[..])?;
-        let mut locator = locator.with_trace(trace);
+        let mut locator =
+            Locator::<_, _, 16>::traced(header.rig, Settings::BOARD, &mut self.words[..], trace)?;
+        locator.add_site(site)?;
         let frames = shot
             .images()
             .map(|image| image.map(|(gray, red)| Frame { gray, excluded: ExclusionMask::Mask(red) }));
