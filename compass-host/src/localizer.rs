@@ -12,15 +12,9 @@ use compass_core::descriptor::similarity::{Query, Similarity, Weights};
 use compass_core::map::site_map::SiteMap;
 use rayon::prelude::*;
 use std::cmp::Reverse;
-use thiserror::Error;
 
 /// Matches that the search may choose its alternatives from.
 const POOL: usize = 512;
-
-/// The index belongs to another map.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
-#[error("index of another map")]
-pub struct IndexMismatch;
 
 /// How to match.
 #[derive(Debug, Clone, Copy, Default)]
@@ -73,29 +67,24 @@ impl<'a> Localizer<'a> {
 
     /// Finds the candidates and headings that fit a scan best.
     ///
-    /// # Errors
-    /// Never for a localizer made by [`Localizer::new`].
-    pub fn locate(&mut self, scan: &Scan, options: &MatchOptions) -> Result<Answer, IndexMismatch> {
+    /// # Panics
+    /// Never: the index is that of the map.
+    pub fn locate(&mut self, scan: &Scan, options: &MatchOptions) -> Answer {
         self.locate_masked(scan, &Confidence::CERTAIN, options)
     }
 
     /// The same for a scan of which not every bin is certain.
     ///
-    /// # Errors
+    /// # Panics
     /// As [`Localizer::locate`].
-    pub fn locate_masked(
-        &mut self,
-        scan: &Scan,
-        confidence: &Confidence,
-        options: &MatchOptions,
-    ) -> Result<Answer, IndexMismatch> {
+    pub fn locate_masked(&mut self, scan: &Scan, confidence: &Confidence, options: &MatchOptions) -> Answer {
         let descriptor = Descriptor::from(scan);
         self.query.set(&descriptor, confidence, options.weights, options.similarity);
         let signature = options.prefilter.map(|keep| {
             let signature = Signature::new(scan);
             (signature, nearest_signatures(&self.map, &signature, keep as usize))
         });
-        let index = Index::new(&self.groups, &self.map).ok_or(IndexMismatch)?;
+        let index = Index::new(&self.groups, &self.map).expect("the groups are of this map");
         exhaustive(
             &index,
             &self.map,
@@ -105,7 +94,7 @@ impl<'a> Localizer<'a> {
             &mut self.bounds,
             &mut self.pool,
         )
-        .ok_or(IndexMismatch)
+        .expect("the index is of this map")
     }
 }
 
@@ -136,19 +125,19 @@ impl<'a> SiteLocalizer<'a> {
 
     /// Finds the floors, candidates and headings that fit a scan best.
     ///
-    /// # Errors
-    /// Never for a localizer made by [`SiteLocalizer::new`].
-    pub fn locate(&mut self, scan: &Scan, options: &MatchOptions) -> Result<SiteAnswer, IndexMismatch> {
+    /// # Panics
+    /// As [`Localizer::locate`].
+    pub fn locate(&mut self, scan: &Scan, options: &MatchOptions) -> SiteAnswer {
         let mut all = SiteAnswer { matches: Vec::new(), scored: 0, exhaustive: true };
         for (number, floor) in self.floors.iter_mut().enumerate() {
-            let answer = floor.locate(scan, options)?;
+            let answer = floor.locate(scan, options);
             all.matches.extend(answer.matches().iter().map(|&found| (number, found)));
             all.scored += answer.scored;
             all.exhaustive &= answer.exhaustive;
         }
         all.matches.sort_by_key(|(_, found)| Reverse(found.peak.score_bits));
         all.matches.truncate(MAX_ALTERNATIVES);
-        Ok(all)
+        all
     }
 }
 

@@ -101,7 +101,7 @@ fn poses_off_the_grid_are_found_on_floor_1() {
         for &(x, y, heading) in &poses {
             let scan = plan.scan([x, y], heading).unwrap();
             let options = MatchOptions { similarity, ..MatchOptions::default() };
-            let answer = localizer.locate(&scan, &options).unwrap();
+            let answer = localizer.locate(&scan, &options);
             let best = *answer.best().unwrap();
             let distance = |k: usize| (positions[k][0] - x).hypot(positions[k][1] - y);
             let (metres, degrees) =

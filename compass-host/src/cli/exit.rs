@@ -35,7 +35,7 @@ impl From<Outcome> for Status {
 impl From<&SeeError> for Status {
     fn from(error: &SeeError) -> Self {
         match error {
-            SeeError::Disagreement(_) => Self::No,
+            SeeError::Disagreement(_) | SeeError::NoVertical | SeeError::NoSky => Self::No,
             _ => Self::BadInput,
         }
     }
