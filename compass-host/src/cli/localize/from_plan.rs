@@ -125,7 +125,7 @@ impl PlanQuery {
         clock.stage("cast");
         let mut localizer = SiteLocalizer::new(floors.iter().map(|floor| floor.map));
         clock.stage("index");
-        let answer = localizer.locate(&scan, &self.matching.options())?;
+        let answer = localizer.locate(&scan, &self.matching.options());
         clock.stage("search");
         let poses = poses(&answer, &floors);
         // A score of 0 says nothing: no candidate resembles the query, or the query has no contrast.
