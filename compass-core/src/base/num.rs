@@ -16,10 +16,10 @@
 //! | [`LogWeight`] | I24F8 | +-8.4e6 nat | 1/256 nat |
 //! | [`CastNats`] | I20F12 | +-5.2e5 nat | 1/4096 nat |
 //!
-//! One natural logarithm has several types because its scale follows from what is summed: cells of a table are bytes,
-//! a pose sums 360 of them, casts interpolate between cells.
+//! Log-likelihood ratios have several types because range and quantum follow from what is summed: a table cell is a byte,
+//! a pose sums 360 cells, a cast ray interpolates between cells.
 //!
-//! Ranges are counted in march steps of 0.02 m ([`crate::base::scan`]): no rounding at all.
+//! Ranges are whole march steps of 0.02 m ([`crate::base::scan`]): they are exact.
 
 use core::ops::{Add, Neg, Sub};
 use fixed::types::{I2F14, I2F30, I4F4, I8F8, I12F4, I20F12, I24F8, I28F4, I32F32, U3F5, U4F4};
@@ -27,7 +27,7 @@ use fixed::types::{I2F14, I2F30, I4F4, I8F8, I12F4, I20F12, I24F8, I28F4, I32F32
 /// Bins of a scan or a descriptor channel: one per degree, counter-clockwise from the heading.
 pub const BINS: usize = 360;
 
-/// A descriptor value. Channel values lie in [0, 1.5], centred ones in [-1.5, 1.5].
+/// A descriptor value. Channel values lie in [0, 1.5], mean-free ones in [-1.5, 1.5].
 pub type ChannelValue = I2F14;
 
 /// A length or coordinate in metres.
@@ -45,34 +45,34 @@ pub type Nats = I28F4;
 /// A log-likelihood ratio of one direction.
 pub type BinNats = I12F4;
 
-/// A log-likelihood ratio of one cell: a direction at one rung of range and with one hit type.
+/// A log-likelihood ratio of one cell: one direction, range rung and hit type.
 pub type CellNats = I4F4;
 
-/// Evidence of a boundary in one cell, never negative. Arrays of it are kept as bytes, the bits of this type.
+/// Evidence of a boundary in one cell, never negative. Stored in byte arrays as the bits of this type.
 pub type SupportNats = U4F4;
 
-/// The logarithm of an edge's strength. Arrays of it are kept as bytes, the bits of this type.
+/// The logarithm of an edge's strength. Stored in byte arrays as the bits of this type.
 pub type EdgeNats = U3F5;
 
-/// Log odds of a window: of a box, or of the direction it lies in.
+/// Log odds of a window, of a box or of a direction.
 pub type LogOdds = I8F8;
 
 /// A sum of [`LogOdds`], or the logarithm of a probability.
 pub type LogWeight = I24F8;
 
-/// A log-likelihood ratio from cells interpolated between rungs, summed over the rays cast.
+/// A log-likelihood ratio summed over cast rays, from cells interpolated between rungs.
 pub type CastNats = I20F12;
 
-/// A sum of log odds as log odds, saturated.
+/// Narrows a sum of log odds, saturating.
 #[inline(always)]
 pub(crate) fn log_odds(sum: LogWeight) -> LogOdds {
     LogOdds::from_bits(sum.to_bits().clamp(i16::MIN.into(), i16::MAX.into()) as i16)
 }
 
-/// Conversion to `f32`, rounded to the nearest: one conversion and one product, where `to_num` of `fixed` takes dozens
-/// of instructions.
+/// Conversion to `f32`, rounded to the nearest: one conversion and one product. `to_num` of `fixed` takes dozens of
+/// instructions.
 pub(crate) trait ToFloat {
-    /// The value.
+    /// The value as `f32`.
     fn to_float(self) -> f32;
 }
 
@@ -104,13 +104,13 @@ pub struct Point {
 }
 
 impl Point {
-    /// A point from its coordinates in metres.
+    /// Makes a point of its coordinates in metres.
     #[must_use]
     pub const fn new(x: Metres, y: Metres) -> Self {
         Self { x, y }
     }
 
-    /// Whether the other point lies within `distance` (a square root is never taken).
+    /// Whether the distance to the other point is at most `distance`, compared by squares.
     #[must_use]
     pub fn within(self, other: Self, distance: Metres) -> bool {
         let square = |d: Metres| i128::from(d.to_bits()) * i128::from(d.to_bits());
@@ -129,7 +129,7 @@ impl defmt::Format for Point {
     }
 }
 
-/// A binary angle: the whole turn is the whole `u32`, so addition wraps for free.
+/// A binary angle: 2^32 is the whole turn, so that addition wraps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, PartialOrd, Ord)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Turn(u32);
@@ -138,7 +138,7 @@ impl Turn {
     /// The angle 0.
     pub const ZERO: Self = Self(0);
 
-    /// From raw bits: 2^32 is the whole turn.
+    /// Makes an angle of raw bits: 2^32 is the whole turn.
     #[must_use]
     pub const fn from_bits(bits: u32) -> Self {
         Self(bits)
@@ -150,7 +150,7 @@ impl Turn {
         self.0
     }
 
-    /// `numerator / denominator` of a turn, rounded to the nearest; any sign. A zero denominator gives 0.
+    /// `numerator / denominator` of a turn, of either sign, rounded to the nearest. A denominator of 0 gives 0.
     ///
     /// Microdegrees are `from_ratio(micro, 360_000_000)`.
     #[must_use]
@@ -164,29 +164,28 @@ impl Turn {
         Self((((reduced << 32) + half) / denominator as u64) as u32)
     }
 
-    /// Whole degrees of any sign, rounded to the nearest 2^-32 of a turn.
+    /// Whole degrees of either sign, rounded to the nearest 2^-32 of a turn.
     #[must_use]
     pub const fn from_degrees(degrees: i64) -> Self {
         Self::from_ratio(degrees, BINS as u32)
     }
 
-    /// The direction of a bin from bin 0.
+    /// The angle of a bin, taken modulo 360, from bin 0.
     #[must_use]
     pub const fn from_bin(bin: usize) -> Self {
         Self::from_degrees((bin % BINS) as i64)
     }
 
-    /// The nearest bin to a direction from bin 0, below 360.
+    /// The bin nearest to this angle from bin 0, below 360.
     #[must_use]
     pub const fn to_bin(self) -> usize {
         ((self.0 as u64 * BINS as u64 + (1 << 31)) >> 32) as usize % BINS
     }
 
-    /// The angle in whole degrees and the rest: `(degrees in 0..360, rest in turn bits)`.
+    /// The angle as whole degrees in `0..360` and the remainder in 2^-32 degree.
     const fn split_degrees(self) -> (usize, u32) {
         let scaled = self.0 as u64 * BINS as u64;
         let degrees = scaled >> 32;
-        // Rest in units of 2^-32 degree.
         (degrees as usize, scaled as u32)
     }
 
@@ -197,7 +196,7 @@ impl Turn {
         (scaled % 360_000_000) as u32
     }
 
-    /// The smaller of the two angles between two directions, at most half a turn.
+    /// The smaller angle between two directions, at most half a turn.
     #[must_use]
     pub const fn distance(self, other: Self) -> Self {
         let forward = self.0.wrapping_sub(other.0);
@@ -212,8 +211,8 @@ impl Turn {
         rotate(degree_cos_sin(degrees), small_cos_sin(rest))
     }
 
-    /// The angle `degrees` further on: cosine and sine of 360 directions cost one table look-up and
-    /// one complex product each.
+    /// Precomputes what the directions a whole number of degrees from this one share: cosine and sine of each then take
+    /// one table look-up and one complex product.
     pub(crate) fn fan(self) -> Fan {
         let (degrees, rest) = self.split_degrees();
         Fan { degrees, rest: small_cos_sin(rest) }
@@ -241,7 +240,7 @@ impl Neg for Turn {
     }
 }
 
-/// Directions a whole number of degrees on from a heading.
+/// Directions at whole degrees from a heading.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Fan {
     degrees: usize,
@@ -249,17 +248,18 @@ pub(crate) struct Fan {
 }
 
 impl Fan {
-    /// Cosine and sine of heading + `degrees`, each within 2^-29.
+    /// Cosine and sine of heading + `degrees`, each within 2^-29 of the exact value.
     pub(crate) fn cos_sin(&self, degrees: usize) -> (Unit, Unit) {
         rotate(degree_cos_sin((self.degrees + degrees) % BINS), self.rest)
     }
 }
 
-/// cos and sin of 1 degree in Q62.
+/// Cosine of 1 degree, Q62.
 const COS_1: i128 = 4_610_983_636_309_578_612;
+/// Sine of 1 degree, Q62.
 const SIN_1: i128 = 80_485_018_754_732_517;
 
-/// sin of 0..=90 degrees in Q30, by the recursion e^(i(n+1)d) = e^(ind) e^(id) in Q62 (error below 2^-54).
+/// Sine of 0 to 90 degrees, Q30, by the recursion e^(i(n+1)d) = e^(ind) e^(id) in Q62 (error below 2^-54).
 const SINE: [i32; 91] = {
     let mut table = [0; 91];
     let (mut cos, mut sin) = (1_i128 << 62, 0_i128);
@@ -305,14 +305,14 @@ fn degree_cos_sin(degrees: usize) -> (Unit, Unit) {
     (Unit::from_bits(c), Unit::from_bits(s))
 }
 
-/// Cosine and sine of an angle below one degree, given in units of 2^-32 degree.
+/// Cosine and sine of an angle below one degree, given in 2^-32 degree.
 ///
-/// Taylor series to x^5; the first dropped term is below 2^-43.
+/// Taylor series to x^5; the first omitted term is below 2^-43.
 fn small_cos_sin(rest: u32) -> (Unit, Unit) {
     if rest == 0 {
         return (Unit::ONE, Unit::ZERO);
     }
-    // pi/180 in Q36 times Q32, to Q36: x < 2^-5.8, so x * x stays below 2^61.
+    // Q32 degrees times pi / 180 in Q36 gives Q36: x < 2^-5.8, so that x * x stays below 2^61.
     const RADIANS: u64 = 1_199_381_129;
     let x = (u64::from(rest) * RADIANS) >> 32;
     let x2 = (x * x) >> 36;

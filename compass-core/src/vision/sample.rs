@@ -1,26 +1,26 @@
-//! Sampling of an image between its pixels, with pixels that are left out.
+//! Bilinear sampling of an image, with excluded pixels.
 
 use crate::base::raster::{BitMask, GrayImage, RgbImage, is_red};
 
-/// Fraction bits of a position in the image.
+/// Fractional bits of a pixel position.
 pub(crate) const SUBPIXEL: u32 = 8;
 
-/// Where red is, for what is to be left out as safety gear.
+/// Pixels to leave out because they show red safety gear.
 #[derive(Debug, Clone, Copy)]
 pub enum ExclusionMask<'a> {
-    /// Not known: nothing is left out.
+    /// No colours known: no pixel is left out.
     Unknown,
-    /// Judged by [`is_red`] from the colours of the image.
+    /// Pixels whose colour [`is_red`].
     Colours(RgbImage<'a>),
-    /// Set where the image is red.
+    /// Pixels whose bit is set.
     Mask(BitMask<'a>),
 }
 
 impl ExclusionMask<'_> {
-    /// At a position in 1/256 px.
+    /// Whether the pixel at a position in 1/256 px is excluded.
     #[inline(always)]
     pub(crate) fn at(&self, x: i32, y: i32) -> bool {
-        // What is left of the image or above it lies beyond its other border as well.
+        // Negative coordinates become large ones, outside the image too.
         let (x, y) = ((x >> SUBPIXEL) as u32, (y >> SUBPIXEL) as u32);
         match self {
             Self::Unknown => false,
@@ -30,14 +30,15 @@ impl ExclusionMask<'_> {
     }
 }
 
-/// The gray level at a position, 1 to 255; 0 within a pixel of the image's border, outside it, or on red.
+/// The gray level at a position in 1/256 px, 1 to 255; 0 within a pixel of the image border, outside, and where excluded.
 #[inline(always)]
-pub(crate) fn sample_bilinear(image: &GrayImage<'_>, red: ExclusionMask<'_>, x: i32, y: i32) -> u8 {
-    let four = around(image, x, y).filter(|_| !red.at(x, y));
+pub(crate) fn sample_bilinear(image: &GrayImage<'_>, excluded: ExclusionMask<'_>, x: i32, y: i32) -> u8 {
+    let four = around(image, x, y).filter(|_| !excluded.at(x, y));
     four.map_or(0, |four| between(four, x, y))
 }
 
-/// The four pixels around a position; `None` within a pixel of the image's border or outside it.
+/// The four pixels around a position in 1/256 px: upper left, upper right, lower left, lower right; `None` within a pixel
+/// of the image border and outside.
 #[inline(always)]
 pub(crate) fn around(image: &GrayImage<'_>, x: i32, y: i32) -> Option<[u8; 4]> {
     let (column, row) = (x >> SUBPIXEL, y >> SUBPIXEL);
@@ -52,7 +53,7 @@ pub(crate) fn around(image: &GrayImage<'_>, x: i32, y: i32) -> Option<[u8; 4]> {
     }
 }
 
-/// The gray level at a position between four pixels, 1 to 255.
+/// The gray level between four pixels, interpolated by the fractions of the position, 1 to 255.
 #[inline(always)]
 pub(crate) fn between(four: [u8; 4], x: i32, y: i32) -> u8 {
     let [a, b, c, d] = four.map(i32::from);

@@ -1,4 +1,4 @@
-//! Anchors: local maxima of the gradient across the edge, where drawing starts.
+//! Anchors: local maxima of the gradient magnitude across the edge, from which drawing starts.
 
 use super::cell::{MAGNITUDE_SHIFT, VERTICAL, strength};
 use super::draw::Drawing;
@@ -7,18 +7,18 @@ use super::walk::Position;
 
 /// Anchors lie on every other row and column.
 const INTERVAL: usize = 2;
-/// Columns whose anchors in one row make up a word.
+/// Columns whose anchors in one row fill a word.
 const BAND: usize = 32 * INTERVAL;
 
-/// Words that hold the anchors of an image: one bit for every other pixel of every other row.
+/// Words of an image's anchors: one bit for every other pixel of every other row.
 pub(super) const fn words(width: usize, height: usize) -> usize {
     width.div_ceil(BAND) * (height / INTERVAL)
 }
 
-/// Finds the anchors of an image: every other pixel of every other row, if stronger by `threshold` than both
-/// of its neighbours across the edge. Returns whether there are any.
+/// Marks the anchors of an image: of every other pixel of every other row, those that exceed both neighbours across the
+/// edge by `threshold`. Returns whether there is an anchor.
 ///
-/// Words go band of columns by band, and row by row in each.
+/// Words are ordered by band of columns, then by row.
 #[inline(always)]
 pub(super) fn mark(cells: &[u16], width: usize, threshold: u16, anchors: &mut [u32]) -> bool {
     let rows = cells.len() / width / INTERVAL;
@@ -39,11 +39,11 @@ pub(super) fn mark(cells: &[u16], width: usize, threshold: u16, anchors: &mut [u
     any != 0
 }
 
-/// Tests every other cell between the first and the last of the middle row.
+/// Tests every other cell of the middle row, except the first and the last.
 #[inline(always)]
 fn mark_band([above, row, below]: [&[u16]; 3], threshold: u16) -> u32 {
     let mut marked = [0_u16; BAND];
-    // Cells stay below 2^15, so that differences fit.
+    // Cells are below 2^15, so that differences fit.
     let signed = |cell: u16| strength(cell) as i16;
     let threshold = (threshold << MAGNITUDE_SHIFT).clamp(1, i16::MAX as u16) as i16;
     let rows = triples(above).zip(triples(row)).zip(triples(below));
@@ -60,7 +60,7 @@ fn mark_band([above, row, below]: [&[u16]; 3], threshold: u16) -> u32 {
     gather(low) | gather(high) << 16
 }
 
-/// What each cell of a band adds to its half word.
+/// Bit of each cell of a band in its half word.
 const BITS: [u16; BAND] = {
     let mut bits = [0; BAND];
     let mut i = 0;
@@ -71,7 +71,7 @@ const BITS: [u16; BAND] = {
     bits
 };
 
-/// Rows whose anchors are looked at together.
+/// Rows of anchors summarized by one word.
 const BLOCK: usize = 32;
 /// Blocks of the highest image.
 const MAX_BLOCKS: usize = super::MAX_SIDE as usize / INTERVAL / BLOCK;
@@ -80,7 +80,7 @@ const MAX_BLOCKS: usize = super::MAX_SIDE as usize / INTERVAL / BLOCK;
 pub(super) fn visit(drawing: &mut Drawing<'_, '_>, anchors: &[u32]) {
     let rows = drawing.cells.height as usize / INTERVAL;
     for (band, words) in anchors.chunks_exact(rows.max(1)).enumerate() {
-        // Most columns of a block have no anchor.
+        // Most columns of a block have no anchor: the union of its words skips them.
         let mut blocks = [0; MAX_BLOCKS];
         for (block, words) in blocks.iter_mut().zip(words.chunks(BLOCK)) {
             *block = words.iter().fold(0, |any, word| any | word);

@@ -21,7 +21,7 @@ impl Position {
     }
 }
 
-/// Cells of the whole image; outside it they read as 0, where every walk ends.
+/// Cells of the whole image; cells outside are read as 0, which ends a walk.
 #[derive(Debug)]
 pub(super) struct Cells<'a> {
     pub(super) cells: &'a mut [u16],
@@ -58,7 +58,7 @@ impl Cells<'_> {
     }
 }
 
-/// A walker: where it stands and by which step it came there (each component -1, 0 or 1).
+/// Position of a walk and its last step (each component -1, 0 or 1).
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Walker {
     pub(super) at: Position,
@@ -67,7 +67,7 @@ pub(super) struct Walker {
 }
 
 impl Walker {
-    /// Goes to the strongest neighbour onward along an edge that is `vertical` here; returns its cell.
+    /// Steps to the strongest neighbour ahead, along an edge that is `vertical` here; returns its cell.
     #[inline(always)]
     pub(super) fn advance(&mut self, cells: &Cells<'_>, vertical: bool) -> u16 {
         let here = cells.index(self.at);
@@ -83,7 +83,7 @@ impl Walker {
                 [cells.at(ahead.wrapping_sub(width)), cells.at(ahead), cells.at(ahead.wrapping_add(width))];
             self.dy = sideways(all);
         } else {
-            // Arrived along a column: turn, keeping the sense of y.
+            // The last step was along y: turn, keeping the sign of dy.
             let ahead = here.wrapping_add_signed((self.dy * cells.width) as isize);
             let (left, right) = (cells.at(ahead.wrapping_sub(1)), cells.at(ahead.wrapping_add(1)));
             self.dx = if strength(left) > strength(right) { -1 } else { 1 };
@@ -112,14 +112,14 @@ impl Walker {
         cells.get(self.at)
     }
 
-    /// The direction to go on in along an edge, in the sense of the last step.
+    /// The unit step along an edge, with the signs of the last step.
     pub(super) const fn onward(&self, vertical: bool) -> (i8, i8) {
         let (dx, dy) = (if self.dx > 0 { 1 } else { -1 }, if self.dy > 0 { 1 } else { -1 });
         if vertical { (0, dy) } else { (dx, 0) }
     }
 }
 
-/// -1, 0 or 1: which of three cells to take; an outer one only if it beats both others.
+/// Offset, -1, 0 or 1, of the strongest of three cells; an outer one must exceed both others.
 #[inline(always)]
 fn sideways([one, straight, other]: [u16; 3]) -> i32 {
     let [one, straight, other] = [strength(one), strength(straight), strength(other)];

@@ -8,8 +8,9 @@ use nalgebra::{Matrix3, Vector3};
 pub(super) const MAGIC: [u8; 8] = *b"CMPSSHOT";
 pub(super) const VERSION: u32 = 1;
 
-/// Words of a camera, and of all of the header.
+/// Words of a camera.
 const VIEW_WORDS: usize = 22;
+/// Words of the header.
 const WORDS: usize = 9 + 2 * VIEW_WORDS + 1;
 pub(super) const HEADER_BYTES: usize = 4 * WORDS;
 
@@ -17,7 +18,7 @@ const KANNALA_BRANDT: u32 = 1;
 const EUCM: u32 = 2;
 const EQUIDISTANT: u32 = 3;
 
-/// The header's words.
+/// The words of a header.
 pub(super) struct Words([u32; WORDS]);
 
 impl Words {
@@ -57,7 +58,7 @@ impl Words {
         words
     }
 
-    /// What the words say.
+    /// Decodes the words.
     pub(super) fn header(&self) -> Result<Header, ShotError> {
         let Self([_, _, version, low, high, x, y, z, height, views @ .., crc]) = self;
         if *version != VERSION {
@@ -79,7 +80,7 @@ impl Words {
         })
     }
 
-    /// The checksum of all words but the last.
+    /// The checksum of all words except the last.
     fn checksum(&self) -> u32 {
         let bytes = self.to_bytes();
         let summed = bytes.split_last_chunk::<4>().map_or(&[][..], |(summed, _)| summed);
