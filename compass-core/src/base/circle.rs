@@ -43,6 +43,7 @@ impl<T: Copy> Circle<T> {
     /// The value of a bin, taken modulo 360.
     #[must_use]
     #[inline]
+    #[expect(clippy::indexing_slicing, reason = "the remainder is below `BINS`")]
     pub const fn get(&self, bin: usize) -> T {
         self.0[bin % BINS]
     }

@@ -1,6 +1,7 @@
 //! The range ladder: rungs in geometric progression from [`NEAREST_MM`] to the largest range of a scan, and camera heights
 //! in steps of the same ratio.
 
+use super::num::round_to_i8;
 use super::scan::{MAX_STEPS, STEP_MM};
 
 /// Number of range rungs.
@@ -27,6 +28,11 @@ const SPAN: u32 = MAX_STEPS as u32 / NEAREST;
 
 /// Ranges of the rungs in millimetres, rounded to the nearest: rung k lies at
 /// `nearest span^(k / (RANGE_RUNGS - 1))`.
+#[expect(
+    clippy::indexing_slicing,
+    clippy::cast_possible_truncation,
+    reason = "rung is below `RANGE_RUNGS`, and ranges are at most 30000 mm"
+)]
 pub static RUNG_MM: [u16; RANGE_RUNGS] = {
     let mut rungs = [0; RANGE_RUNGS];
     let mut rung = 0;
@@ -45,6 +51,11 @@ pub static RUNG_MM: [u16; RANGE_RUNGS] = {
 };
 
 /// Position among the rungs, Q8, by range in march steps.
+#[expect(
+    clippy::indexing_slicing,
+    clippy::cast_possible_truncation,
+    reason = "steps are at most `MAX_STEPS`, and positions below 72 in Q8"
+)]
 static POSITIONS: [u16; MAX_STEPS as usize + 1] = {
     let mut positions = [0; MAX_STEPS as usize + 1];
     let mut steps = NEAREST;
@@ -56,6 +67,10 @@ static POSITIONS: [u16; MAX_STEPS as usize + 1] = {
 };
 
 /// `(RANGE_RUNGS - 1) log(range / nearest) / log(SPAN)` with `bits` fractional bits, rounded to the nearest.
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "ranges are at most 60001, so that positions are below 72 with at most 16 fractional bits"
+)]
 const fn position(range: u32, nearest: u32, bits: u32) -> u64 {
     const WHOLE: u128 = log2(SPAN) as u128;
     let part = (log2(range) - log2(nearest)) as u128 * (RANGE_RUNGS as u128 - 1);
@@ -83,6 +98,7 @@ const fn log2(value: u32) -> u64 {
 }
 
 /// Position among the rungs, Q8, in `0..RANGE_RUNGS`; ranges above [`MAX_STEPS`] are clamped to it.
+#[expect(clippy::indexing_slicing, reason = "clamped to `MAX_STEPS`, the last index")]
 pub(crate) const fn position_of(steps: u16) -> u16 {
     POSITIONS[if steps < MAX_STEPS { steps } else { MAX_STEPS } as usize]
 }
@@ -92,7 +108,7 @@ pub(crate) const fn position_of(steps: u16) -> u16 {
 #[must_use]
 pub fn height_rungs(height_m: f32) -> i8 {
     let bounded = if height_m >= HEIGHTS_M[0] { height_m.min(HEIGHTS_M[1]) } else { HEIGHTS_M[0] };
-    libm::roundf(libm::logf(bounded / NOMINAL_HEIGHT_M) / RUNG) as i8
+    round_to_i8(libm::logf(bounded / NOMINAL_HEIGHT_M) / RUNG)
 }
 
 /// The camera height, metres, of a shift in rungs: the inverse of [`height_rungs`], which rounds by up to half a rung (3 %).

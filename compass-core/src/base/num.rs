@@ -63,7 +63,92 @@ pub type LogWeight = I24F8;
 /// A log-likelihood ratio summed over cast rays, from cells interpolated between rungs.
 pub type CastNats = I20F12;
 
+/// Truncates towards zero; saturates beyond the range of `i32`, and NaN becomes 0.
+#[inline(always)]
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "a cast from a float truncates and saturates, as documented"
+)]
+pub(crate) const fn truncate_to_i32(value: f32) -> i32 {
+    value as i32
+}
+
+/// Truncates towards zero; negative values and NaN become 0, values beyond the range of `usize` saturate.
+#[inline(always)]
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a cast from a float truncates and saturates, as documented"
+)]
+pub(crate) const fn truncate_to_index(value: f32) -> usize {
+    value as usize
+}
+
+/// Truncates towards zero; negative values and NaN become 0, values above 65535 saturate.
+#[inline(always)]
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a cast from a float truncates and saturates, as documented"
+)]
+pub(crate) const fn truncate_to_u16(value: f32) -> u16 {
+    value as u16
+}
+
+/// Truncates towards zero; negative values and NaN become 0, values above 255 saturate.
+#[inline(always)]
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a cast from a float truncates and saturates, as documented"
+)]
+pub(crate) const fn truncate_to_u8(value: f32) -> u8 {
+    value as u8
+}
+
+/// Rounds to the nearest, ties away from zero; saturates beyond the range of `i8`, and NaN becomes 0.
+#[inline(always)]
+#[expect(clippy::cast_possible_truncation, reason = "a cast from a float saturates, as documented")]
+pub(crate) fn round_to_i8(value: f32) -> i8 {
+    libm::roundf(value) as i8
+}
+
+/// The index of a coordinate. A negative one gives an index beyond the end of every slice.
+#[inline(always)]
+#[expect(
+    clippy::cast_sign_loss,
+    reason = "sign extension puts negative coordinates beyond the end of every slice"
+)]
+pub(crate) const fn index_of(coordinate: i32) -> usize {
+    coordinate as usize
+}
+
+/// A count or an index as `i32`: exact below 2^31, which debug builds assert.
+#[inline(always)]
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    reason = "sides of rasters, rows of tables and lengths of lists are below 2^31"
+)]
+pub(crate) const fn count_as_i32(count: usize) -> i32 {
+    debug_assert!(count <= i32::MAX as usize, "count exceeds i32");
+    count as i32
+}
+
+/// An unsigned integer as `u16`, saturated.
+#[inline(always)]
+pub(crate) fn saturate_to_u16(value: impl TryInto<u16>) -> u16 {
+    value.try_into().unwrap_or(u16::MAX)
+}
+
+/// An unsigned integer as `u32`, saturated.
+#[inline(always)]
+pub(crate) fn saturate_to_u32(value: impl TryInto<u32>) -> u32 {
+    value.try_into().unwrap_or(u32::MAX)
+}
+
 /// Narrows a sum of log odds, saturating.
+#[expect(clippy::cast_possible_truncation, reason = "clamped to the range of `i16`")]
 #[inline(always)]
 pub(crate) fn log_odds(sum: LogWeight) -> LogOdds {
     LogOdds::from_bits(sum.to_bits().clamp(i16::MIN.into(), i16::MAX.into()) as i16)
@@ -154,24 +239,26 @@ impl Turn {
     ///
     /// Microdegrees are `from_ratio(micro, 360_000_000)`.
     #[must_use]
+    #[expect(clippy::cast_possible_truncation, reason = "the quotient is taken modulo a whole turn")]
     pub const fn from_ratio(numerator: i64, denominator: u32) -> Self {
         if denominator == 0 {
             return Self::ZERO;
         }
-        let denominator = denominator as i64;
-        let reduced = numerator.rem_euclid(denominator) as u64;
-        let half = denominator as u64 / 2;
-        Self((((reduced << 32) + half) / denominator as u64) as u32)
+        let reduced = numerator.rem_euclid(denominator as i64).cast_unsigned();
+        let denominator = denominator as u64;
+        Self((((reduced << 32) + denominator / 2) / denominator) as u32)
     }
 
     /// Whole degrees of either sign, rounded to the nearest 2^-32 of a turn.
     #[must_use]
+    #[expect(clippy::cast_possible_truncation, reason = "`BINS` is 360")]
     pub const fn from_degrees(degrees: i64) -> Self {
         Self::from_ratio(degrees, BINS as u32)
     }
 
     /// The angle of a bin, taken modulo 360, from bin 0.
     #[must_use]
+    #[expect(clippy::cast_possible_wrap, reason = "the remainder is below 360")]
     pub const fn from_bin(bin: usize) -> Self {
         Self::from_degrees((bin % BINS) as i64)
     }
@@ -183,6 +270,10 @@ impl Turn {
     }
 
     /// The angle as whole degrees in `0..360` and the remainder in 2^-32 degree.
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "degrees are below 360, and the remainder is the lower 32 bits"
+    )]
     const fn split_degrees(self) -> (usize, u32) {
         let scaled = self.0 as u64 * BINS as u64;
         let degrees = scaled >> 32;
@@ -260,6 +351,11 @@ const COS_1: i128 = 4_610_983_636_309_578_612;
 const SIN_1: i128 = 80_485_018_754_732_517;
 
 /// Sine of 0 to 90 degrees, Q30, by the recursion e^(i(n+1)d) = e^(ind) e^(id) in Q62 (error below 2^-54).
+#[expect(
+    clippy::indexing_slicing,
+    clippy::cast_possible_truncation,
+    reason = "n is at most 90, and sines are at most 2^30"
+)]
 const SINE: [i32; 91] = {
     let mut table = [0; 91];
     let (mut cos, mut sin) = (1_i128 << 62, 0_i128);
@@ -280,6 +376,7 @@ pub(crate) const fn degree_cosine(degrees: usize) -> i32 {
 }
 
 /// Sine of whole degrees in Q30, at compile time.
+#[expect(clippy::indexing_slicing, reason = "remainders of 90 index 91 entries")]
 pub(crate) const fn degree_sine(degrees: usize) -> i32 {
     let degrees = degrees % BINS;
     let within = degrees % 90;
@@ -308,6 +405,7 @@ fn degree_cos_sin(degrees: usize) -> (Unit, Unit) {
 /// Cosine and sine of an angle below one degree, given in 2^-32 degree.
 ///
 /// Taylor series to x^5; the first omitted term is below 2^-43.
+#[expect(clippy::cast_possible_truncation, reason = "cosine and sine are at most 2^30 in Q30")]
 fn small_cos_sin(rest: u32) -> (Unit, Unit) {
     if rest == 0 {
         return (Unit::ONE, Unit::ZERO);
@@ -327,6 +425,10 @@ fn small_cos_sin(rest: u32) -> (Unit, Unit) {
 }
 
 /// The product of two unit complex numbers, rounded to the nearest.
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "components of a unit complex number are at most 2^30 in Q30"
+)]
 fn rotate((c, s): (Unit, Unit), (rc, rs): (Unit, Unit)) -> (Unit, Unit) {
     let product = |a: Unit, b: Unit| i64::from(a.to_bits()) * i64::from(b.to_bits());
     let narrow = |v: i64| Unit::from_bits(((v + (1 << 29)) >> 30) as i32);

@@ -12,6 +12,7 @@ pub const STEP_MM: u32 = 20;
 pub const MAX_STEPS: u16 = 1500;
 
 /// March steps per metre.
+#[expect(clippy::cast_possible_truncation, reason = "1000 / 20 is 50")]
 pub const STEPS_PER_METRE: u16 = (1000 / STEP_MM) as u16;
 
 /// Largest range in metres.

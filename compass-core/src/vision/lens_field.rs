@@ -1,5 +1,6 @@
 //! The image of a lens's field, as a mask.
 
+use crate::base::num::truncate_to_u16;
 use crate::vision::camera::{Bearing, View};
 
 /// Angle from the optical axis within which segments are detected, radians: 95 degrees.
@@ -17,7 +18,8 @@ pub fn fill_mask(view: &View, bits: &mut [u8]) {
         let inside = border.columns(f32::from(y), view.width);
         for (byte, from) in row.iter_mut().zip((0_u16..).step_by(8)) {
             let bits = |end: u16| (1_u16 << end.saturating_sub(from).min(8)) - 1;
-            *byte = (bits(inside[1]) & !bits(inside[0])) as u8;
+            let [low, _] = (bits(inside[1]) & !bits(inside[0])).to_le_bytes();
+            *byte = low;
         }
     }
 }
@@ -56,7 +58,7 @@ impl Ellipse {
         }
         // The root locates the border within a pixel; the inequality decides for the pixels around it.
         let reach = libm::sqrtf(half_chord_squared) * fx;
-        let near = |x: f32| (x.max(0.0) as u16).min(width);
+        let near = |x: f32| truncate_to_u16(x.max(0.0)).min(width);
         let first = near(cx - reach - 1.0);
         let end = near(cx + reach + 3.0);
         let start = (first..end).take(4).find(|x| contains(*x)).unwrap_or(end);

@@ -1,5 +1,6 @@
 //! Geometry of the panorama of both cameras: extent and cell size.
 
+use crate::base::num::index_of;
 use crate::vision::camera::View;
 
 /// Elevation of the upper border of row 0, degrees.
@@ -36,6 +37,16 @@ impl Resolution {
     #[must_use]
     pub const fn per_degree(self) -> usize {
         self.0 as usize
+    }
+
+    /// [`per_degree`](Self::per_degree) as `i32`.
+    pub(crate) const fn per_degree_i32(self) -> i32 {
+        self.0 as i32
+    }
+
+    /// The row whose upper border has an elevation in degrees, at most [`TOP_DEG`].
+    pub(crate) const fn row_of(self, elevation: i32) -> usize {
+        index_of(TOP_DEG - elevation) * self.per_degree()
     }
 
     /// Number of columns: azimuth.

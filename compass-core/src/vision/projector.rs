@@ -2,6 +2,7 @@
 
 use super::level_frame::{LevelFrame, NOMINAL_RANGE_M};
 use super::sample::{ExclusionMask, SUBPIXEL};
+use crate::base::num::truncate_to_i32;
 use crate::base::raster::GrayImage;
 use crate::vision::camera::{Bearing, Rig, View};
 
@@ -60,7 +61,7 @@ impl<'a> Projector<'a> {
         let mine = seen_from(self.view);
         // At the rim of the usable field the lead falls below 0, as where the other camera is nearer.
         let within = (mine.z - RIM_COS) * 8.0;
-        let lead = |lead: f32| (lead * 16_384.0) as i32;
+        let lead = |lead: f32| truncate_to_i32(lead * 16_384.0);
         if mine.z <= RIM_COS - 0.05 {
             return Node { lead: lead(within), ..Node::default() };
         }
@@ -69,7 +70,7 @@ impl<'a> Projector<'a> {
         let pixel = if ahead > LEAST_LEAD { self.view.camera.project(&mine) } else { None };
         let scale = (1 << SUBPIXEL) as f32;
         // Clamped to 2^13 pixels, so that products with weights of 9 bits fit `i32`.
-        let fixed = |v: f32| (v.clamp(-8_192.0, 8_192.0) * scale) as i32;
+        let fixed = |v: f32| truncate_to_i32(v.clamp(-8_192.0, 8_192.0) * scale);
         Node {
             x: pixel.map_or(0, |p| fixed(p.x)),
             y: pixel.map_or(0, |p| fixed(p.y)),

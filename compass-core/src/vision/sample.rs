@@ -1,5 +1,6 @@
 //! Bilinear sampling of an image, with excluded pixels.
 
+use crate::base::num::{count_as_i32, index_of};
 use crate::base::raster::{BitMask, GrayImage, RgbImage, is_red};
 
 /// Fractional bits of a pixel position.
@@ -21,7 +22,7 @@ impl ExclusionMask<'_> {
     #[inline(always)]
     pub(crate) fn at(&self, x: i32, y: i32) -> bool {
         // Negative coordinates become large ones, outside the image too.
-        let (x, y) = ((x >> SUBPIXEL) as u32, (y >> SUBPIXEL) as u32);
+        let (x, y) = ((x >> SUBPIXEL).cast_unsigned(), (y >> SUBPIXEL).cast_unsigned());
         match self {
             Self::Unknown => false,
             Self::Colours(image) => is_red(image.pixel(x, y)),
@@ -43,10 +44,10 @@ pub(crate) fn sample_bilinear(image: &GrayImage<'_>, excluded: ExclusionMask<'_>
 pub(crate) fn around(image: &GrayImage<'_>, x: i32, y: i32) -> Option<[u8; 4]> {
     let (column, row) = (x >> SUBPIXEL, y >> SUBPIXEL);
     let width = image.width() as usize;
-    if column < 1 || row < 1 || column + 2 >= width as i32 || row + 2 >= image.height() as i32 {
+    if column < 1 || row < 1 || column + 2 >= count_as_i32(width) || row + 2 >= image.height().cast_signed() {
         return None;
     }
-    let start = row as usize * width + column as usize;
+    let start = index_of(row) * width + index_of(column);
     match image.pixels().get(start..start + width + 2) {
         Some([a, b, .., c, d]) => Some([*a, *b, *c, *d]),
         _ => None,
@@ -55,6 +56,7 @@ pub(crate) fn around(image: &GrayImage<'_>, x: i32, y: i32) -> Option<[u8; 4]> {
 
 /// The gray level between four pixels, interpolated by the fractions of the position, 1 to 255.
 #[inline(always)]
+#[expect(clippy::cast_sign_loss, reason = "clamped to 1 to 255")]
 pub(crate) fn between(four: [u8; 4], x: i32, y: i32) -> u8 {
     let [a, b, c, d] = four.map(i32::from);
     let (wx, wy) = (x & 0xff, y & 0xff);

@@ -2,7 +2,7 @@
 
 use crate::base::circle::Circle;
 use crate::base::confidence::Confidence;
-use crate::base::num::BINS;
+use crate::base::num::{BINS, truncate_to_u8, truncate_to_u16};
 use crate::base::scan::{Hit, MAX_RANGE_M, MAX_STEPS, STEPS_PER_METRE, Scan};
 use crate::vision::boundary::RangeLikelihoods;
 use crate::vision::windows::WindowEvidence;
@@ -24,7 +24,7 @@ pub fn scan(ranges: &RangeLikelihoods, height: i8, windows: &WindowEvidence) -> 
         *steps = if open { MAX_STEPS } else { steps_of(range.metres) };
         *hit = if open { Hit::Open } else { *seen_hit };
         if found.get(bin).is_some() {
-            let sixteenths = libm::roundf(16.0 * range.confidence) as u8;
+            let sixteenths = truncate_to_u8(libm::roundf(16.0 * range.confidence));
             *confidence = if *certainty == 0 { sixteenths } else { sixteenths.max(1) };
         }
     }
@@ -37,5 +37,5 @@ fn nearest<T: Copy>(found: &Circle<Option<T>>, bin: usize) -> Option<T> {
 }
 
 fn steps_of(metres: f32) -> u16 {
-    (libm::roundf(metres * f32::from(STEPS_PER_METRE)) as u16).clamp(1, MAX_STEPS)
+    truncate_to_u16(libm::roundf(metres * f32::from(STEPS_PER_METRE))).clamp(1, MAX_STEPS)
 }

@@ -1,6 +1,7 @@
 //! The building's axes: two horizontal vanishing points at right angles.
 
 use super::arc::{Arc, degrees};
+use crate::base::num::truncate_to_index;
 use crate::vision::camera::Bearing;
 use crate::vision::level_frame::LevelFrame;
 
@@ -51,13 +52,13 @@ pub fn building_axes(arcs: &[Arc], level: &LevelFrame) -> Option<Axes> {
     let mut votes = [0.0_f32; VOTES];
     let mut all = 0.0;
     for (arc, azimuth) in horizontal(arcs, level) {
-        let at = (modulo(azimuth, 90.0) * PER_DEGREE as f32) as usize % VOTES;
+        let at = truncate_to_index(modulo(azimuth, 90.0) * PER_DEGREE as f32) % VOTES;
         if let Some(vote) = votes.get_mut(at) {
             *vote += arc.weight;
         }
         all += arc.weight;
     }
-    let reach = TOLERANCE_DEG as usize * PER_DEGREE;
+    let reach = truncate_to_index(TOLERANCE_DEG) * PER_DEGREE;
     let around = |at: usize| -> f32 {
         (0..=2 * reach).filter_map(|k| votes.get((at + VOTES + k - reach) % VOTES)).sum()
     };

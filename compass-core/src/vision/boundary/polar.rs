@@ -6,7 +6,7 @@
 
 use super::{DEEPEST, RUNGS, SURFACES};
 use crate::base::ladder::RUNG;
-use crate::base::num::BINS;
+use crate::base::num::{BINS, count_as_i32, index_of};
 use crate::base::raster::GrayImage;
 use crate::vision::panorama::Resolution;
 use crate::vision::projector::{CameraView, Node, Projector};
@@ -21,7 +21,7 @@ const NODES: usize = RUNGS.div_ceil(GRID_RUNGS) + 1;
 /// Units of position between nodes along the range axis.
 const PATCH: i32 = 32;
 /// Extent of the box filter of a sample, half a rung, in 1/[`PATCH`] of a patch.
-const BOX: i32 = PATCH / GRID_RUNGS as i32 / 2;
+const BOX: i32 = PATCH / count_as_i32(GRID_RUNGS) / 2;
 /// Largest number of taps of the box filter.
 const MOST_TAPS: i32 = 4;
 /// Approximate distance of the taps, pixels.
@@ -76,6 +76,7 @@ fn elevation(rung: usize) -> (f32, f32) {
 
 /// The gray levels at the ends of the rungs, at an azimuth `across` sixteenths of the way between two columns of nodes; 0
 /// where unknown, excluded, or nearer to the axis of the other camera.
+#[expect(clippy::indexing_slicing, reason = "coordinates 0, 1 and 2 of arrays of three")]
 fn sample(
     samples: &mut [u8; RUNGS + 1],
     (right, left): (&[Node; NODES], &[Node; NODES]),
@@ -95,7 +96,8 @@ fn sample(
         let Some(ends) = ends.next() else { return };
         if let (Some(a), Some(b)) = (here, far) {
             let taps = taps(a, b);
-            for (sample, position) in ends.iter_mut().zip((0..).step_by((PATCH / GRID_RUNGS as i32) as usize))
+            for (sample, position) in
+                ends.iter_mut().zip((0..).step_by(index_of(PATCH / count_as_i32(GRID_RUNGS))))
             {
                 let at = |k: usize, at: i32| (a[k] * (PATCH - at) + b[k] * at) / (ACROSS * PATCH);
                 if at(2, position) > 0 {
@@ -113,10 +115,15 @@ fn sample(
 /// Number of taps of the box filter, by the extent of a patch in the image.
 fn taps(a: [i32; 3], b: [i32; 3]) -> i32 {
     let patch = (a[0].abs_diff(b[0]) + a[1].abs_diff(b[1])) >> (SUBPIXEL + ACROSS.trailing_zeros());
-    (patch as i32 / (2 * GRID_RUNGS as i32 * TAP_PX)).clamp(1, MOST_TAPS)
+    (patch.cast_signed() / (2 * count_as_i32(GRID_RUNGS) * TAP_PX)).clamp(1, MOST_TAPS)
 }
 
 /// The mean of `taps` gray levels, 0 if one of them is unknown.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "the mean of gray levels is a gray level"
+)]
 fn mean(taps: i32, gray: impl Fn(i32) -> u8) -> u8 {
     let mut sum = 0;
     for tap in 0..taps {

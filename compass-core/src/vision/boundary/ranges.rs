@@ -3,20 +3,26 @@
 use super::tuning::{AGREEING, CEILINGS, OUTLIERS_TENTHS, PRIOR_LINEAR, PRIOR_SQUARE, ROOMS_M, VOTE_STRIDE};
 use super::{LEAD, RUNGS};
 use crate::base::ladder::{NEAREST_M, RANGE_RUNGS, RUNG, height_rungs};
-use crate::base::num::{BINS, CellNats, Nats, ToFloat as _};
+use crate::base::num::{BINS, CellNats, Nats, ToFloat as _, count_as_i32, round_to_i8};
 use bytemuck::{Pod, Zeroable};
 
 /// Number of ranges, equally likely under "nothing known".
+#[expect(clippy::cast_possible_truncation, reason = "`RANGE_RUNGS` is 72")]
 const CHOICES: u32 = RANGE_RUNGS as u32;
 
 /// Log prior of a range, bits of [`BinNats`](crate::base::num::BinNats): 1.3 x - 2.87 x^2, with x from -1 at the first rung
 /// of the range ladder to 1 at the last, for the nominal camera height.
+#[expect(
+    clippy::indexing_slicing,
+    clippy::cast_possible_truncation,
+    reason = "rung is below `RUNGS`, and the prior within 100 nats"
+)]
 static PRIOR: [i16; RUNGS] = {
     let mut prior = [0; RUNGS];
     let mut rung = 0;
     while rung < RUNGS {
-        let x = 2 * (rung as i32 - LEAD as i32) - (RANGE_RUNGS as i32 - 1);
-        let span = RANGE_RUNGS as i32 - 1;
+        let span = count_as_i32(RANGE_RUNGS) - 1;
+        let x = 2 * (count_as_i32(rung) - count_as_i32(LEAD)) - span;
         prior[rung] = ((PRIOR_LINEAR * span * x - PRIOR_SQUARE * x * x) / (100 * span * span)) as i16;
         rung += 1;
     }
@@ -24,6 +30,11 @@ static PRIOR: [i16; RUNGS] = {
 };
 
 /// e^(-k/16) in 1/65536, up to the last k at which it does not round to 0.
+#[expect(
+    clippy::indexing_slicing,
+    clippy::cast_possible_truncation,
+    reason = "k is below 192, and decays are at most 65536"
+)]
 static DECAY: [u32; 192] = {
     /// e^(-1/16) in Q62.
     const STEP: u128 = 4_332_278_087_304_955_904;
@@ -39,6 +50,11 @@ static DECAY: [u32; 192] = {
 };
 
 /// Likelihood ratios, 1/256, from which the logarithm rounds to -19/16, -18/16 and so on, nats.
+#[expect(
+    clippy::indexing_slicing,
+    clippy::cast_possible_truncation,
+    reason = "k is below 84, and ratios are below 2^14"
+)]
 static RATIOS: [u32; 84] = {
     /// 256 e^(-19.5/16) in Q20.
     const FIRST: u64 = 79_349_369;
@@ -59,6 +75,11 @@ const LOWEST: CellNats = CellNats::lit("-1.25");
 
 /// Number of [`RATIOS`] that do not exceed the smallest ratio with the given [leading bits](leading): for every ratio with
 /// these leading bits, at most one more does not exceed it.
+#[expect(
+    clippy::indexing_slicing,
+    clippy::cast_possible_truncation,
+    reason = "counts are at most 84, and ratios below 2^14 have an exponent of at most 13"
+)]
 static PASSED: [u8; 15 << LEADING_BITS] = {
     let mut passed = [0; 15 << LEADING_BITS];
     let mut ratio = 1 << 14;
@@ -173,7 +194,7 @@ fn probability(value: CellNats) -> f32 {
 pub(super) fn ceiling_bounds(height_m: f32) -> [i8; 2] {
     ROOMS_M.map(|room| {
         let ratio = ((room - height_m) / height_m).max(0.1);
-        (libm::roundf(libm::logf(ratio) / RUNG) as i8).clamp(CEILINGS[0], CEILINGS[1])
+        round_to_i8(libm::logf(ratio) / RUNG).clamp(CEILINGS[0], CEILINGS[1])
     })
 }
 
@@ -197,7 +218,7 @@ fn rows<'a>(floor: &'a [u8], ceiling: &'a [u8], rung: usize, offset: i8) -> (&'a
     let row = |of: &'a [u8], rung: isize| {
         usize::try_from(rung).ok().and_then(|rung| of.as_chunks::<BINS>().0.get(rung)).unwrap_or(&NOTHING)
     };
-    let rung = rung as isize;
+    let rung = rung.cast_signed();
     (row(floor, rung), row(ceiling, rung - isize::from(offset)))
 }
 
@@ -236,6 +257,7 @@ fn decay(below: i16) -> u32 {
 }
 
 /// Logarithm of (1 - outliers) choices part / sum + outliers, rounded to 1/16 nat.
+#[expect(clippy::cast_possible_truncation, reason = "`RATIOS` has 84 entries")]
 fn log_ratio(part: u32, sum: u32) -> CellNats {
     // A part is at most 2^16, so that the product is below 2^31.
     let share = part * ((10 - OUTLIERS_TENTHS) * CHOICES * 256 / 10 / 4) / (sum.max(1) / 4).max(1);

@@ -7,7 +7,7 @@ use super::RUNGS;
 use super::tuning::{LEAST_SCALE, PERCENT, REACH, WEIGHTS};
 #[cfg(doc)]
 use crate::base::num::SupportNats;
-use crate::base::num::{BINS, EdgeNats};
+use crate::base::num::{BINS, EdgeNats, saturate_to_u32, truncate_to_u8};
 
 /// Bits of a normalized edge of 1 nat.
 const EDGE_NAT: f32 = EdgeNats::ONE.to_bits() as f32;
@@ -28,6 +28,7 @@ pub(super) fn known(edges: &[u8]) -> [bool; BINS] {
 }
 
 /// Replaces edges by `ln(1 + 2 edge / scale)` in the bits of [`EdgeNats`]; unknown cells become 0.
+#[expect(clippy::indexing_slicing, reason = "bytes index 256 entries")]
 pub(super) fn normalize(edges: &mut [u8]) {
     let mut counts = [0_u32; 256];
     edges.iter().for_each(|edge| counts[usize::from(*edge)] += 1);
@@ -38,10 +39,10 @@ pub(super) fn normalize(edges: &mut [u8]) {
         below += count;
         below > wanted
     });
-    let scale = (reached.unwrap_or(0) as u32).saturating_sub(1).max(LEAST_SCALE) as f32;
+    let scale = saturate_to_u32(reached.unwrap_or(0)).saturating_sub(1).max(LEAST_SCALE) as f32;
     let logs: [u8; 256] = core::array::from_fn(|edge| {
         let strength = edge.saturating_sub(1) as f32;
-        (libm::log1pf(2.0 * strength / scale) * EDGE_NAT) as u8
+        truncate_to_u8(libm::log1pf(2.0 * strength / scale) * EDGE_NAT)
     });
     edges.iter_mut().for_each(|edge| *edge = logs[usize::from(*edge)]);
 }

@@ -4,6 +4,7 @@ use super::cell::{MAGNITUDE_SHIFT, VERTICAL, strength};
 use super::draw::Drawing;
 use super::gradient::triples;
 use super::walk::Position;
+use crate::base::num::{count_as_i32, index_of};
 
 /// Anchors lie on every other row and column.
 const INTERVAL: usize = 2;
@@ -44,8 +45,8 @@ pub(super) fn mark(cells: &[u16], width: usize, threshold: u16, anchors: &mut [u
 fn mark_band([above, row, below]: [&[u16]; 3], threshold: u16) -> u32 {
     let mut marked = [0_u16; BAND];
     // Cells are below 2^15, so that differences fit.
-    let signed = |cell: u16| strength(cell) as i16;
-    let threshold = (threshold << MAGNITUDE_SHIFT).clamp(1, i16::MAX as u16) as i16;
+    let signed = |cell: u16| strength(cell).cast_signed();
+    let threshold = (threshold << MAGNITUDE_SHIFT).clamp(1, i16::MAX as u16).cast_signed();
     let rows = triples(above).zip(triples(row)).zip(triples(below));
     for ((marked, bit), (([_, up, _], [left, here, right]), [_, down, _])) in
         marked.iter_mut().zip(&BITS).zip(rows)
@@ -61,6 +62,7 @@ fn mark_band([above, row, below]: [&[u16]; 3], threshold: u16) -> u32 {
 }
 
 /// Bit of each cell of a band in its half word.
+#[expect(clippy::indexing_slicing, reason = "i is below `BAND`")]
 const BITS: [u16; BAND] = {
     let mut bits = [0; BAND];
     let mut i = 0;
@@ -78,7 +80,7 @@ const MAX_BLOCKS: usize = super::MAX_SIDE as usize / INTERVAL / BLOCK;
 
 /// Draws from all anchors, column by column.
 pub(super) fn visit(drawing: &mut Drawing<'_, '_>, anchors: &[u32]) {
-    let rows = drawing.cells.height as usize / INTERVAL;
+    let rows = index_of(drawing.cells.height) / INTERVAL;
     for (band, words) in anchors.chunks_exact(rows.max(1)).enumerate() {
         // Most columns of a block have no anchor: the union of its words skips them.
         let mut blocks = [0; MAX_BLOCKS];
@@ -87,7 +89,7 @@ pub(super) fn visit(drawing: &mut Drawing<'_, '_>, anchors: &[u32]) {
         }
         let any = blocks.iter().fold(0, |any, block| any | block);
         for column in (0..32).filter(|c| any >> c & 1 == 1) {
-            let x = (band * BAND + INTERVAL * column + 1) as i32;
+            let x = count_as_i32(band * BAND + INTERVAL * column + 1);
             let with_anchor = |word: &u32| word >> column & 1 == 1;
             for (first, words) in blocks
                 .iter()
@@ -97,7 +99,7 @@ pub(super) fn visit(drawing: &mut Drawing<'_, '_>, anchors: &[u32]) {
                 .map(|(i, (_, words))| (i * BLOCK, words))
             {
                 for (row, _) in words.iter().enumerate().filter(|(_, word)| with_anchor(word)) {
-                    if !drawing.draw_from(Position { x, y: (INTERVAL * (first + row) + 1) as i32 }) {
+                    if !drawing.draw_from(Position { x, y: count_as_i32(INTERVAL * (first + row) + 1) }) {
                         return;
                     }
                 }

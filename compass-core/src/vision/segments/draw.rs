@@ -8,6 +8,7 @@ use super::parameters::Parameters;
 use super::segment::Segment;
 use super::validate;
 use super::walk::{Cells, Position, Walker};
+use crate::base::num::{saturate_to_u16, saturate_to_u32};
 use heapless::Vec;
 
 /// A walk ends after more consecutive pixels off the line than this.
@@ -68,7 +69,7 @@ impl<'a, 'out> Drawing<'a, 'out> {
         found: &'out mut [Segment],
         parameters: Parameters,
     ) -> Self {
-        let steps_left = (cells.cells.len() as u32).saturating_mul(16);
+        let steps_left = saturate_to_u32(cells.cells.len()).saturating_mul(16);
         Self {
             cells,
             smoothed,
@@ -327,7 +328,7 @@ impl<'a, 'out> Drawing<'a, 'out> {
                 None => return,
             }
         } else {
-            growth.line.len().min(usize::from(u16::MAX)) as u16
+            saturate_to_u16(growth.line.len())
         };
         let ([x1, y1], [x2, y2]) = (growth.line.foot(growth.tail[0]), growth.line.foot(growth.head[0]));
         // Drop a line that has rotated away from its first or last pixels.

@@ -52,7 +52,7 @@ pub(super) fn mask_row(mask: &BitMask<'_>, y: u32, cells: &mut [u16]) {
 pub(super) fn sobel(smoothed: &[u8], cells: &Cells<'_>, p: Position) -> (i32, i32) {
     let width = cells.width as isize;
     let here = p.y as isize * width + p.x as isize;
-    let at = |offset: isize| smoothed.get((here + offset) as usize).copied().map_or(0, i32::from);
+    let at = |offset: isize| smoothed.get((here + offset).cast_unsigned()).copied().map_or(0, i32::from);
     if p.x < 1 || p.y < 1 || p.x + 1 >= cells.width || p.y + 1 >= cells.height {
         return (0, 0);
     }

@@ -4,6 +4,7 @@ use super::cell::strength;
 use super::gradient::sobel;
 use super::growth::{End, Growth};
 use super::walk::{Cells, Position, Walker};
+use crate::base::num::{count_as_i32, index_of, truncate_to_i32};
 use heapless::Vec;
 
 /// Gap lengths tried, in pixels; the line must continue for as many pixels beyond the gap.
@@ -24,7 +25,7 @@ pub(super) struct Jump {
 /// Searches the continuation of a line beyond one of its ends.
 pub(super) fn find(cells: &Cells<'_>, smoothed: &[u8], growth: &Growth, end: End) -> Option<Jump> {
     let from = if end == End::Head { growth.head[0] } else { growth.tail[0] };
-    LENGTHS.into_iter().filter(|j| growth.line.len() > *j as usize).find_map(|length| {
+    LENGTHS.into_iter().filter(|j| growth.line.len() > index_of(*j)).find_map(|length| {
         let landing = landing(cells, growth, from, end, length)?;
         let mut pixels = between(from, landing);
         let gap = pixels.len();
@@ -41,7 +42,7 @@ fn landing(cells: &Cells<'_>, growth: &Growth, from: Position, end: End, length:
     let [x, y] = growth.line.foot(from);
     let (x, y) =
         if growth.line.steep { (x + slope * reach, y + reach) } else { (x + reach, y + slope * reach) };
-    let corner = Position { x: x as i32, y: y as i32 };
+    let corner = Position { x: truncate_to_i32(x), y: truncate_to_i32(y) };
     if x < 0.0 || y < 0.0 || !cells.contains(corner) {
         return None;
     }
@@ -64,7 +65,7 @@ fn between(from: Position, to: Position) -> Vec<Position, MAX_PIXELS> {
     let mut pixels = Vec::new();
     let (mut p, mut error) = (from, 0);
     let _ = pixels.push(p);
-    for _ in 0..length.min(MAX_PIXELS as i32) {
+    for _ in 0..length.min(count_as_i32(MAX_PIXELS)) {
         error += aside;
         let moved = 2 * error >= length;
         error -= if moved { length } else { 0 };

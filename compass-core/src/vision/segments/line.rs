@@ -1,6 +1,7 @@
 //! Least-squares line fits to drawn pixels, from exact integer sums.
 
 use super::walk::Position;
+use crate::base::num::{count_as_i32, index_of, truncate_to_i32};
 
 /// Largest window, pixels, of the first fit of a line.
 pub(super) const WINDOW: usize = 15;
@@ -46,7 +47,7 @@ impl Window {
     /// Whether the `n` summed pixels, at most [`WINDOW`], lie on a line, by regression on x or, if `steep`, on y.
     #[inline(always)]
     pub(super) fn is_line(&self, n: usize, steep: bool) -> bool {
-        let n = n as i32;
+        let n = count_as_i32(n);
         let central =
             |product: i32, a: i32, b: i32| i64::from(n.wrapping_mul(product).wrapping_sub(a.wrapping_mul(b)));
         let (xx, yy) = (central(self.xx, self.x, self.x), central(self.yy, self.y, self.y));
@@ -114,9 +115,9 @@ impl Line {
         let along = n * self.uu - i64::from(self.u) * i64::from(self.u);
         let across = n * self.uv - i64::from(self.u) * i64::from(self.v);
         // IEEE division: the same bits on every target. Casts saturate; a window with `along` 0 is no line.
-        self.slope = (across as f32 / along as f32 * 65_536.0) as i32;
+        self.slope = truncate_to_i32(across as f32 / along as f32 * 65_536.0);
         let rest = (i64::from(self.v) << 16) - i64::from(self.slope) * i64::from(self.u);
-        self.offset = (rest as f32 / self.n as f32) as i32;
+        self.offset = truncate_to_i32(rest as f32 / self.n as f32);
         let tilt = i64::from(self.slope >> 8);
         self.reach = REACH_SQUARED + 9 * tilt * tilt / 4;
         self.due = self.n + 1 + (self.n >> 6);
@@ -167,6 +168,6 @@ impl Line {
 
     /// Number of pixels fitted.
     pub(super) fn len(&self) -> usize {
-        self.n.max(0) as usize
+        index_of(self.n.max(0))
     }
 }

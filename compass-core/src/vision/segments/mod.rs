@@ -27,6 +27,7 @@ mod walk;
 pub use parameters::Parameters;
 pub use segment::Segment;
 
+use crate::base::num::saturate_to_u32;
 use crate::base::raster::{BitMask, GrayImage};
 use core::fmt;
 
@@ -150,7 +151,7 @@ pub fn detect(
     while !anchors::mark(cells, width as usize, threshold, anchors) && threshold > 0 {
         threshold /= 2;
     }
-    let cells = walk::Cells { cells, width: width as i32, height: height as i32 };
+    let cells = walk::Cells { cells, width: width.cast_signed(), height: height.cast_signed() };
     let mut drawing = draw::Drawing::new(cells, smoothed, trail, found, *parameters);
     anchors::visit(&mut drawing, anchors);
     Ok(Detected { count: drawing.count, truncated: drawing.truncated })
@@ -194,7 +195,7 @@ fn prepare(
         let row = cells.get_mut((y - 1) * width..y * width).unwrap_or(&mut []);
         gradient::gradient_row([rows(2), rows(1), rows(0)], threshold, row);
         if let Some(mask) = mask {
-            gradient::mask_row(mask, (y - 1) as u32, row);
+            gradient::mask_row(mask, saturate_to_u32(y - 1), row);
         }
     }
     if let Some(last) = cells.get_mut((height - 1) * width..) {

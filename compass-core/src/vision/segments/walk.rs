@@ -1,6 +1,7 @@
 //! One step along an edge.
 
 use super::cell::strength;
+use crate::base::num::index_of;
 
 /// A pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -12,12 +13,12 @@ pub(super) struct Position {
 impl Position {
     #[inline(always)]
     pub(super) const fn packed(self) -> u32 {
-        (self.y as u32) << 16 | self.x as u32
+        self.y.cast_unsigned() << 16 | self.x.cast_unsigned()
     }
 
     #[inline(always)]
     pub(super) const fn unpacked(packed: u32) -> Self {
-        Self { x: (packed & 0xffff) as i32, y: (packed >> 16) as i32 }
+        Self { x: (packed & 0xffff).cast_signed(), y: (packed >> 16).cast_signed() }
     }
 }
 
@@ -32,7 +33,7 @@ pub(super) struct Cells<'a> {
 impl Cells<'_> {
     #[inline(always)]
     pub(super) fn index(&self, p: Position) -> usize {
-        (p.y * self.width + p.x) as usize
+        index_of(p.y * self.width + p.x)
     }
 
     #[inline(always)]
@@ -76,7 +77,7 @@ impl Walker {
 
     #[inline(always)]
     fn advance_columns(&mut self, cells: &Cells<'_>, here: usize) -> u16 {
-        let width = cells.width as usize;
+        let width = index_of(cells.width);
         if self.dx != 0 {
             let ahead = here.wrapping_add_signed(self.dx as isize);
             let all =
@@ -93,7 +94,7 @@ impl Walker {
 
     #[inline(always)]
     fn advance_rows(&mut self, cells: &Cells<'_>, here: usize) -> u16 {
-        let width = cells.width as usize;
+        let width = index_of(cells.width);
         if self.dy != 0 {
             let ahead = here.wrapping_add_signed((self.dy * cells.width) as isize);
             let all = [cells.at(ahead.wrapping_sub(1)), cells.at(ahead), cells.at(ahead.wrapping_add(1))];

@@ -38,6 +38,7 @@ impl Words {
         bytes
     }
 
+    #[expect(clippy::cast_possible_truncation, reason = "the two halves of the time stamp")]
     pub(super) fn new(header: &Header) -> Self {
         let mut words = Self([0; WORDS]);
         let Self([m0, m1, version, low, high, x, y, z, height, views @ .., _]) = &mut words;
@@ -118,6 +119,8 @@ fn view(words: &[u32; VIEW_WORDS]) -> Result<Option<View>, ShotError> {
     if *size == 0 {
         return Ok(None);
     }
+    let [w0, w1, h0, h1] = size.to_le_bytes();
+    let [width, height] = [[w0, w1], [h0, h1]].map(u16::from_le_bytes);
     let [fx, fy, cx, cy, k1, k2, k3, k4, place @ ..] = floats.map(f32::from_bits);
     let intrinsics = Intrinsics { fx, fy, cx, cy };
     let camera = match *lens {
@@ -130,6 +133,6 @@ fn view(words: &[u32; VIEW_WORDS]) -> Result<Option<View>, ShotError> {
     Ok(Some(View {
         rotation: Matrix3::new(a, b, c, d, e, f, g, h, i),
         position: Vector3::new(x, y, z),
-        ..View::new(camera.map_err(ShotError::Camera)?, *size as u16, (*size >> 16) as u16)
+        ..View::new(camera.map_err(ShotError::Camera)?, width, height)
     }))
 }

@@ -6,7 +6,7 @@ use super::tuning::{
     LINTEL, LOW_DEG, NARROW_HALVES, NARROW_LOG2, NARROWEST_DEG, NAT, OUTSIDE_HALVES, SHARED_DEG, TEXTURE,
     WIDE_HALVES, WIDE_LOG2,
 };
-use crate::base::num::{LogOdds, LogWeight, log_odds};
+use crate::base::num::{LogOdds, LogWeight, count_as_i32, index_of, log_odds};
 use crate::vision::panorama::{Resolution, TOP_DEG};
 use bytemuck::{Pod, Zeroable};
 
@@ -75,6 +75,7 @@ struct Sums {
 
 impl Sums {
     /// Mean rank and texture in 1/16 of a level.
+    #[expect(clippy::cast_possible_truncation, reason = "the mean of bytes, in 1/16")]
     fn means(&self) -> (i32, i32) {
         let mean = |sum: u32| (u64::from(sum) * 16 / u64::from(self.known.max(1))) as i32;
         (mean(self.rank), mean(self.texture))
@@ -93,6 +94,7 @@ impl Planes<'_> {
     }
 
     #[inline(always)]
+    #[expect(clippy::cast_possible_truncation, reason = "a column has at most 260 rows")]
     fn sums(&self, rows: &core::ops::Range<usize>, columns: core::ops::Range<usize>) -> Sums {
         let mut sums = Sums::default();
         for column in sampled(columns) {
@@ -141,7 +143,7 @@ fn unknown(cells: &[u8]) -> u32 {
 /// The scored box between two edges; `None` if its shape is not that of a window or too much of it is unknown.
 #[inline(always)]
 pub(super) fn propose(planes: &Planes<'_>, left: &Edge, right: &Edge) -> Option<WindowBox> {
-    let per_degree = planes.resolution.per_degree() as i32;
+    let per_degree = planes.resolution.per_degree_i32();
     let round = |fine: i32| (fine + FINE / 2).div_euclid(FINE);
     let (start, end) = (round(left.x), round(right.x));
     let (top, bottom) = (left.top.max(right.top), left.bottom.min(right.bottom));
@@ -151,18 +153,19 @@ pub(super) fn propose(planes: &Planes<'_>, left: &Edge, right: &Edge) -> Option<
         || bottom - top < (shorter / 2).max(SHARED_DEG * per_degree * FINE)
         || top > row_of(HIGH_DEG)
         || bottom < row_of(LOW_DEG)
-        || end - start < NARROWEST_DEG as i32 * per_degree
+        || end - start < NARROWEST_DEG * per_degree
     {
         return None;
     }
-    let (top, bottom) = (round(top).max(0), round(bottom).min(planes.resolution.rows() as i32));
+    let (top, bottom) = (round(top).max(0), round(bottom).min(count_as_i32(planes.resolution.rows())));
     if bottom - top < LEAST_ROWS {
         return None;
     }
-    scored(planes, start as usize, end as usize, top as usize, bottom as usize)
+    scored(planes, index_of(start), index_of(end), index_of(top), index_of(bottom))
 }
 
 #[inline(always)]
+#[expect(clippy::cast_possible_truncation, reason = "columns are below 2^12 and rows below 2^9")]
 fn scored(planes: &Planes<'_>, start: usize, end: usize, top: usize, bottom: usize) -> Option<WindowBox> {
     let (width, height) = (end - start, bottom - top);
     let inside = planes.sums(&(top..bottom), start..end);
@@ -173,7 +176,8 @@ fn scored(planes: &Planes<'_>, start: usize, end: usize, top: usize, bottom: usi
     let (flank_rank, flank_texture) = flanks(planes, start..end, &(top..bottom))?;
     let (lintel, lintel_row) = strongest_row(planes, start..end, above(planes, top, height));
     let (sill, sill_row) = strongest_row(planes, start..end, below(planes, bottom, height));
-    let borders = (lintel + sill) as i32 * NAT / (2 * 255 * sampled(start..end).len() as i32).max(1);
+    let borders =
+        (lintel + sill).cast_signed() * NAT / (2 * 255 * count_as_i32(sampled(start..end).len())).max(1);
     let per_level = |difference: i32| difference * NAT / (255 * 16);
     let octaves = log2_ratio(width as u32, height as u32);
     let wide = (octaves - WIDE_LOG2).max(0);
@@ -265,15 +269,16 @@ fn log2_ratio(a: u32, b: u32) -> i32 {
 }
 
 /// log2 in 1/256, rounded down, by repeated squaring.
+#[expect(clippy::cast_possible_truncation, reason = "mantissas are below 2^16")]
 fn log2(value: u32) -> i32 {
     let whole = value.ilog2();
     // Q15, 1 <= mantissa < 2.
     let mut mantissa = (u64::from(value) << 15 >> whole) as u32;
-    let mut log = whole as i32;
+    let mut log = whole.cast_signed();
     for _ in 0..8 {
         mantissa = (mantissa * mantissa) >> 15;
         let bit = mantissa >> 16;
-        log = 2 * log + bit as i32;
+        log = 2 * log + bit.cast_signed();
         mantissa >>= bit;
     }
     log

@@ -3,6 +3,7 @@
 use super::tuning::{
     EDGE_DEG, GAP_DEG, HIGHEST_DEG, LEAN, LEAN_DEG, LOWEST_DEG, MOST_LEAN, SEGMENT_DEG, SPAN_DEG,
 };
+use crate::base::num::truncate_to_i32;
 use crate::vision::camera::{Bearing, Pixel, View};
 use crate::vision::level_frame::{LevelFrame, NOMINAL_RANGE_M};
 use crate::vision::panorama::{Resolution, TOP_DEG};
@@ -79,8 +80,8 @@ pub(super) fn vertical_segment(
     if !vertical || length <= SEGMENT_DEG || low >= HIGHEST_DEG || high <= LOWEST_DEG {
         return None;
     }
-    let fine = (FINE * resolution.per_degree() as i32) as f32;
-    let cells = |degrees: f32| libm::floorf(degrees * fine + 0.5) as i32;
+    let fine = (FINE * resolution.per_degree_i32()) as f32;
+    let cells = |degrees: f32| truncate_to_i32(libm::floorf(degrees * fine + 0.5));
     Some(VerticalSegment {
         x: cells(180.0 - wrapped(a0 + turn * 0.5)),
         top: cells(TOP_DEG as f32 - high),
@@ -101,13 +102,14 @@ fn wrapped(angle: f32) -> f32 {
 }
 
 /// Groups vertical segments into edges, sorted by column; false if there are more than [`MAX_EDGES`].
+#[expect(clippy::cast_possible_truncation, reason = "a weighted mean of `i32` values lies between them")]
 pub(super) fn gather(
     segments: &mut [VerticalSegment],
     resolution: Resolution,
     edges: &mut Vec<Edge, MAX_EDGES>,
 ) -> bool {
     sort_by_column(segments);
-    let fine = |degrees: f32| (degrees * (FINE * resolution.per_degree() as i32) as f32) as i32;
+    let fine = |degrees: f32| truncate_to_i32(degrees * (FINE * resolution.per_degree_i32()) as f32);
     let (gap, span, least) = (fine(GAP_DEG), fine(SPAN_DEG), fine(EDGE_DEG));
     let mut rest: &[VerticalSegment] = segments;
     while let Some(first) = rest.first() {

@@ -18,7 +18,7 @@ pub use choose::Column;
 pub use edges::{Edge, VerticalSegment};
 
 use crate::base::confidence::Confidence;
-use crate::base::num::{BINS, LogOdds, LogWeight, log_odds};
+use crate::base::num::{BINS, LogOdds, LogWeight, count_as_i32, log_odds};
 use crate::base::raster::GrayImage;
 use crate::base::scan::Hit;
 use crate::vision::camera::{Pixel, Rig};
@@ -281,8 +281,8 @@ pub fn wants_smoothed(view: &crate::vision::camera::View, resolution: Resolution
 /// Scores all pairs of edges that may be windows; returns the number of boxes, and whether all fit.
 #[inline(always)]
 fn propose(planes: &Planes<'_>, edges: &[Edge], boxes: &mut [WindowBox]) -> (usize, bool) {
-    let fine = FINE * planes.resolution.per_degree() as i32;
-    let (turn, widest) = (360 * fine, WIDEST_DEG as i32 * fine);
+    let fine = FINE * planes.resolution.per_degree_i32();
+    let (turn, widest) = (360 * fine, WIDEST_DEG * fine);
     let mut count = 0;
     for (i, left) in edges.iter().enumerate() {
         let onward = edges.iter().skip(i + 1).copied();
@@ -307,8 +307,7 @@ fn propose(planes: &Planes<'_>, edges: &[Edge], boxes: &mut [WindowBox]) -> (usi
 #[inline(always)]
 fn known(planes: &Planes<'_>, column: usize, [low, high]: [i32; 2]) -> (usize, usize) {
     let resolution = planes.resolution;
-    let row = |elevation: i32| (TOP_DEG - elevation) as usize * resolution.per_degree();
-    let rows = row(high)..row(low);
+    let rows = resolution.row_of(high)..resolution.row_of(low);
     let start = column * resolution.rows();
     let cells = planes.rank.get(start + rows.start..start + rows.end).unwrap_or(&[]);
     (cells.iter().filter(|rank| **rank > 0).count(), rows.len())
@@ -325,8 +324,8 @@ fn add_rims(planes: &Planes<'_>, edges: &mut Vec<Edge, MAX_EDGES>) -> bool {
     for column in 0..columns {
         let here = open(column);
         if here != before {
-            let x = column as i32 * FINE;
-            let edge = Edge { x, top: 0, bottom: planes.resolution.rows() as i32 * FINE, rim: true };
+            let x = count_as_i32(column) * FINE;
+            let edge = Edge { x, top: 0, bottom: count_as_i32(planes.resolution.rows()) * FINE, rim: true };
             let at = edges.iter().position(|e| e.x > x).unwrap_or(edges.len());
             if edges.insert(at, edge).is_err() {
                 return false;
@@ -415,7 +414,7 @@ fn direction(
         seen += usize::from(2 * known >= all);
         odds += choose::evidence(columns, cut, column);
     }
-    let odds = odds / per_degree as i32;
+    let odds = odds / planes.resolution.per_degree_i32();
     if 2 * windows >= per_degree {
         return Some((Hit::Window, odds));
     }
@@ -426,5 +425,5 @@ fn direction(
 fn confidence_of(odds: LogWeight) -> u8 {
     /// Bits of log odds from which the difference rounds to 2/16, 3/16 and so on up to 16/16.
     const STEPS: [u32; 15] = [48, 81, 114, 148, 183, 221, 260, 303, 350, 403, 463, 537, 632, 771, 1061];
-    1 + STEPS.iter().filter(|step| odds.to_bits().unsigned_abs() >= **step).count() as u8
+    1 + STEPS.iter().map(|step| u8::from(odds.to_bits().unsigned_abs() >= *step)).sum::<u8>()
 }

@@ -3,6 +3,7 @@
 //! Cells are stored column by column, so that the cells of a column between two rows are contiguous. Columns run clockwise
 //! from azimuth 180 degrees at the left border of the first, rows downwards.
 
+use crate::base::num::count_as_i32;
 use crate::base::raster::GrayImage;
 use crate::vision::panorama::{Resolution, TOP_DEG};
 use crate::vision::projector::{CameraView, Node, Projector};
@@ -18,9 +19,9 @@ const GRID_ROWS: usize = Resolution::FINE.rows().div_ceil(SIDE) + 1;
 #[inline(always)]
 pub(super) fn draw(cells: &mut [u8], resolution: Resolution, seen: &CameraView<'_>) {
     let Some(projector) = Projector::new(seen) else { return };
-    let grid = SIDE as i32 / resolution.per_degree() as i32;
+    let grid = count_as_i32(SIDE) / resolution.per_degree_i32();
     let angle = |from: i32, node: usize| {
-        libm::sincosf((from - node as i32 * grid) as f32 * (core::f32::consts::PI / 180.0))
+        libm::sincosf((from - count_as_i32(node) * grid) as f32 * (core::f32::consts::PI / 180.0))
     };
     let elevations: [_; GRID_ROWS] = core::array::from_fn(|row| angle(TOP_DEG, row));
     let rows = resolution.rows().div_ceil(SIDE);
@@ -51,6 +52,7 @@ pub(super) fn draw(cells: &mut [u8], resolution: Resolution, seen: &CameraView<'
 ///
 /// Arrays of one column: positions and levels are computed by vector instructions, only pixels are loaded one by one.
 #[inline(always)]
+#[expect(clippy::indexing_slicing, reason = "u and v are below `SIDE`, the length of the arrays")]
 fn draw_patch(
     cells: &mut [u8],
     resolution: Resolution,
@@ -61,18 +63,18 @@ fn draw_patch(
 ) {
     // Cell centres lie at odd multiples of half a cell, so that weights sum to `2 SIDE`, a power of two.
     let bits = SIDE.trailing_zeros() + 1;
-    let twice = 2 * SIDE as i32;
+    let twice = 2 * count_as_i32(SIDE);
     let top = row * SIDE;
     let height = SIDE.min(resolution.rows().saturating_sub(top));
     // Exclusion is tested at every other cell of every other column and applies to its 2 x 2 cells.
     let mut hidden = [false; SIDE];
     for u in 0..SIDE {
-        let wx = 2 * u as i32 + 1;
+        let wx = 2 * count_as_i32(u) + 1;
         let blend = |left: i32, right: i32| left * (twice - wx) + right * wx;
         let down = |upper: i32, lower: i32| {
             let mut places = [0; SIDE];
             for (v, place) in places.iter_mut().enumerate() {
-                let wy = 2 * v as i32 + 1;
+                let wy = 2 * count_as_i32(v) + 1;
                 *place = (upper * (twice - wy) + lower * wy) >> (2 * bits);
             }
             places

@@ -1,11 +1,16 @@
 //! The two planes of the cues: brightness as rank within the frame, and texture.
 
 use super::tuning::{BAND_DEG, GLARE, LEAST_TEXTURE, TEXTURE_PERCENT};
-use crate::vision::panorama::{Resolution, TOP_DEG};
+use crate::vision::panorama::Resolution;
 
 /// Replaces the gray levels of a panorama by their ranks in the frame, 1 (darkest) to 255, and 0 where unknown; fills
 /// `texture` with the vertical gradient scaled to 0 to 255 (255: the 90th percentile of the frame, or over-exposed).
 #[inline(always)]
+#[expect(
+    clippy::indexing_slicing,
+    clippy::cast_possible_truncation,
+    reason = "bytes index 256 entries, and shares are clamped to 255"
+)]
 pub(super) fn normalize(gray: &mut [u8], texture: &mut [u8], resolution: Resolution) {
     let rows = resolution.rows();
     erode(gray, texture, rows);
@@ -32,8 +37,7 @@ pub(super) fn normalize(gray: &mut [u8], texture: &mut [u8], resolution: Resolut
 
 /// Rows that ranks and the texture scale are computed from.
 fn band(resolution: Resolution) -> core::ops::Range<usize> {
-    let row = |elevation: i32| (TOP_DEG - elevation) as usize * resolution.per_degree();
-    row(BAND_DEG)..row(-BAND_DEG)
+    resolution.row_of(BAND_DEG)..resolution.row_of(-BAND_DEG)
 }
 
 /// Erodes the known cells by one: cells beside excluded pixels may be partly red. `lost` is scratch.
@@ -87,6 +91,7 @@ fn vertical_gradient(gray: &[u8], texture: &mut [u8], rows: usize) {
 }
 
 /// The mid-rank of every gray level in the histogram, 1 to 255; level 0 has rank 0.
+#[expect(clippy::cast_possible_truncation, reason = "ranks are at most 255")]
 fn ranks(counts: &[u32; 256]) -> [u8; 256] {
     let twice = (2 * counts.iter().sum::<u32>()).max(1);
     let mut below = 0;

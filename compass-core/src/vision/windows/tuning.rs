@@ -49,9 +49,9 @@ pub(super) const GLARE: u8 = 245;
 // Geometry of boxes.
 
 /// Smallest width of a window, degrees.
-pub(super) const NARROWEST_DEG: usize = 1;
+pub(super) const NARROWEST_DEG: i32 = 1;
 /// Largest width of a window, degrees.
-pub(super) const WIDEST_DEG: usize = 60;
+pub(super) const WIDEST_DEG: i32 = 60;
 /// Smallest height that the two edges of a box share, degrees; it must be half of the shorter edge too.
 pub(super) const SHARED_DEG: i32 = 2;
 /// Elevation, degrees, that the top of a window exceeds.
