@@ -6,7 +6,7 @@ use compass_core::base::confidence::Confidence;
 use compass_core::base::ladder::{HEIGHTS_M, height_m, height_rungs};
 use compass_core::base::num::BINS;
 use compass_core::base::scan::{Hit, Scan};
-use compass_core::vision::boundary::{Range, RangeLikelihoods};
+use compass_core::vision::boundary::{RangeEstimate, RangeLikelihoods};
 use compass_core::vision::visual_scan;
 use compass_core::vision::windows::WindowEvidence;
 
@@ -51,7 +51,7 @@ pub struct VisualDescriptor {
     /// The heights that the ranges depend on.
     pub height: Height,
     /// Likeliest range in metres and its confidence; `None` where neither floor nor ceiling was seen.
-    pub ranges: [Option<Range>; BINS],
+    pub ranges: [Option<RangeEstimate>; BINS],
     /// Hit type; `None` where neither camera sees, or safety gear hides it.
     pub hit: [Option<Hit>; BINS],
     /// Both as the paper's descriptor is made of them: unknown ranges are those of the nearest direction.
@@ -76,7 +76,7 @@ impl VisualDescriptor {
         let (rungs, rest) = (height.rungs(), height.rest());
         let (scan, confidence) = visual_scan::scan(ranges, rungs, sighting);
         // The core counts heights in rungs; what that rounds off is known here.
-        let exact = |range: Range| Range { metres: range.metres * rest, ..range };
+        let exact = |range: RangeEstimate| RangeEstimate { metres: range.metres * rest, ..range };
         let known = sighting.confidence.sixteenths();
         Self {
             height,

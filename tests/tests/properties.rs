@@ -91,7 +91,7 @@ fn brute_force(map: &SiteMap<'_>, query: &Query) -> Match {
 }
 
 fn assert_exact(localizer: &mut Localizer<'_>, scan: &Scan, options: &MatchOptions, what: &str) {
-    let answer = localizer.locate(scan, options).unwrap();
+    let answer = localizer.locate(scan, options);
     let expected =
         brute_force(localizer.map(), &query(scan, &Confidence::CERTAIN, options.weights, options.similarity));
     assert_eq!(answer.best(), Some(&expected), "{what}");
@@ -145,7 +145,7 @@ fn the_masked_search_finds_what_scoring_everything_finds() {
             (Similarity::Centred, Weights::HIT_TYPE),
         ] {
             let options = MatchOptions { similarity, weights, prefilter: None };
-            let answer = localizer.locate_masked(&scan, &seen, &options).unwrap();
+            let answer = localizer.locate_masked(&scan, &seen, &options);
             let expected = brute_force(localizer.map(), &query(&scan, &seen, weights, similarity));
             assert_eq!(answer.best(), Some(&expected), "{x},{y} {heading}, {similarity:?}, {weights:?}");
             assert!(answer.exhaustive);
@@ -173,7 +173,7 @@ fn turning_the_query_turns_the_heading() {
         disturb(&mut scan, 1.0, seed);
         for similarity in KINDS {
             let options = MatchOptions { similarity, ..MatchOptions::default() };
-            let first = *localizer.locate(&scan, &options).unwrap().best().unwrap();
+            let first = *localizer.locate(&scan, &options).best().unwrap();
             for degrees in [1, 90, 123, 359] {
                 let found = *localizer.locate(&turned(&scan, degrees), &options).unwrap().best().unwrap();
                 assert_eq!(found.candidate, first.candidate);

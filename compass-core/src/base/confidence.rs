@@ -1,22 +1,22 @@
-//! How far each bin may be trusted.
+//! Confidence per bin.
 
 use super::num::BINS;
 
-/// How far each bin of a query may be trusted, in sixteenths: 0 unknown, 16 certain.
+/// Confidence of each bin of a scan in sixteenths: 0 is unknown, 16 certain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Confidence([u8; BINS]);
 
 impl Confidence {
-    /// The value of a bin that is certain.
+    /// Confidence of a certain bin.
     pub const FULL: u8 = 16;
     /// Every bin is certain.
     pub const CERTAIN: Self = Self([Self::FULL; BINS]);
 
-    /// Nothing is known of any bin.
+    /// Every bin is unknown.
     pub const NONE: Self = Self([0; BINS]);
 
-    /// From sixteenths per bin; values above 16 count as 16.
+    /// Takes sixteenths per bin; clamps values above 16 to 16.
     #[must_use]
     pub fn new(sixteenths: &[u8; BINS]) -> Self {
         Self(sixteenths.map(|c| c.min(Self::FULL)))

@@ -1,17 +1,17 @@
-//! Checksums of the file formats, and the sink that files are written to.
+//! Checksum of the file formats, and the sink they are written to.
 
-/// CRC-32 (ISO-HDLC, the one of zip and PNG): the checksum of all formats.
+/// CRC-32 ISO-HDLC, as in zip and PNG: the checksum of all file formats.
 pub(crate) static CRC32: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
 
-/// Where the bytes go.
+/// Destination of written bytes.
 pub trait Sink {
-    /// Why bytes could not be stored.
+    /// Error of a failed append.
     type Error;
 
     /// Appends bytes.
     ///
     /// # Errors
-    /// Whatever the sink reports.
+    /// The error of the sink.
     fn append(&mut self, bytes: &[u8]) -> Result<(), Self::Error>;
 }
 
@@ -22,7 +22,7 @@ impl<S: Sink> Sink for &mut S {
     }
 }
 
-/// A sink and the checksum of what went into it.
+/// A sink, with the checksum of all bytes appended to it.
 pub(crate) struct Summed<S> {
     sink: S,
     digest: crc::Digest<'static, u32>,
@@ -44,7 +44,7 @@ impl<S: Sink> Summed<S> {
         self.sink.append(bytes)
     }
 
-    /// Appends the checksum of everything before it.
+    /// Appends the checksum of all bytes before it and returns the sink.
     pub(crate) fn finish(mut self) -> Result<S, S::Error> {
         let crc = self.digest.finalize().to_le_bytes();
         self.sink.append(&crc)?;

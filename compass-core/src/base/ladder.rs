@@ -1,37 +1,43 @@
-//! The ladder of ranges: rungs in equal ratios from [`NEAREST_MM`] to the largest range of a scan, and heights counted in
-//! the same ratio.
+//! The range ladder: rungs in geometric progression from [`NEAREST_MM`] to the largest range of a scan, and camera heights
+//! in steps of the same ratio.
 
+use super::num::round_to_i8;
 use super::scan::{MAX_STEPS, STEP_MM};
 
-/// Rungs of range.
+/// Number of range rungs.
 pub const RANGE_RUNGS: usize = 72;
 /// Range of rung 0, millimetres.
 pub const NEAREST_MM: u32 = 400;
 /// Range of rung 0, metres.
 pub const NEAREST_M: f32 = NEAREST_MM as f32 / 1000.0;
-/// Natural logarithm of the ratio of neighbouring rungs, 6.3 %: of that of the last to the first, by their number less 1.
+/// Natural logarithm of the ratio of neighbouring rungs (6.3 %): `ln(30 m / 0.4 m) / (RANGE_RUNGS - 1)`.
 pub const RUNG: f32 = 0.060_809_69;
-/// Height, in metres, that rungs are counted for: others are shifts.
+/// Camera height, metres, at which the shift in rungs is 0.
 pub const NOMINAL_HEIGHT_M: f32 = 1.5;
-/// Natural logarithm of [`NEAREST_M`] in nominal heights.
+/// Natural logarithm of `NEAREST_M / NOMINAL_HEIGHT_M`.
 pub(crate) const NEAREST_LOG: f32 = -1.321_756;
-/// Least and largest height of the camera that can be told or tried, metres.
+/// Smallest and largest camera height, metres, that a prior may give and a search tries.
 pub const HEIGHTS_M: [f32; 2] = [0.55, 2.4];
 
 /// Fractional bits of a position between rungs.
 pub(crate) const FRACTION_BITS: u32 = 8;
 /// March steps of rung 0.
 const NEAREST: u32 = NEAREST_MM / STEP_MM;
-/// Range of the last rung in ranges of rung 0.
+/// Ratio of the last rung's range to that of rung 0.
 const SPAN: u32 = MAX_STEPS as u32 / NEAREST;
 
 /// Ranges of the rungs in millimetres, rounded to the nearest: rung k lies at
 /// `nearest span^(k / (RANGE_RUNGS - 1))`.
+#[expect(
+    clippy::indexing_slicing,
+    clippy::cast_possible_truncation,
+    reason = "rung is below `RANGE_RUNGS`, and ranges are at most 30000 mm"
+)]
 pub static RUNG_MM: [u16; RANGE_RUNGS] = {
     let mut rungs = [0; RANGE_RUNGS];
     let mut rung = 0;
     while rung < RANGE_RUNGS {
-        // The first range whose upper half millimetre lies beyond the rung.
+        // Bisection for the smallest range whose upper half millimetre exceeds the rung.
         let (mut below, mut beyond) = (NEAREST_MM - 1, MAX_STEPS as u32 * STEP_MM);
         while beyond - below > 1 {
             let mm = below.midpoint(beyond);
@@ -44,7 +50,12 @@ pub static RUNG_MM: [u16; RANGE_RUNGS] = {
     rungs
 };
 
-/// Position among the rungs by march steps, Q8.
+/// Position among the rungs, Q8, by range in march steps.
+#[expect(
+    clippy::indexing_slicing,
+    clippy::cast_possible_truncation,
+    reason = "steps are at most `MAX_STEPS`, and positions below 72 in Q8"
+)]
 static POSITIONS: [u16; MAX_STEPS as usize + 1] = {
     let mut positions = [0; MAX_STEPS as usize + 1];
     let mut steps = NEAREST;
@@ -55,14 +66,18 @@ static POSITIONS: [u16; MAX_STEPS as usize + 1] = {
     positions
 };
 
-/// `(RANGE_RUNGS - 1) log(range / nearest) / log(SPAN)` with these fractional bits, rounded to the nearest.
+/// `(RANGE_RUNGS - 1) log(range / nearest) / log(SPAN)` with `bits` fractional bits, rounded to the nearest.
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "ranges are at most 60001, so that positions are below 72 with at most 16 fractional bits"
+)]
 const fn position(range: u32, nearest: u32, bits: u32) -> u64 {
     const WHOLE: u128 = log2(SPAN) as u128;
     let part = (log2(range) - log2(nearest)) as u128 * (RANGE_RUNGS as u128 - 1);
     (((part << bits) + WHOLE / 2) / WHOLE) as u64
 }
 
-/// Binary logarithm, Q32, within 2^-23; of zero it is 0.
+/// Binary logarithm, Q32, within 2^-23; 0 for 0.
 const fn log2(value: u32) -> u64 {
     if value == 0 {
         return 0;
@@ -82,19 +97,21 @@ const fn log2(value: u32) -> u64 {
     log
 }
 
-/// Position among the rungs, Q8, of `0..RANGE_RUNGS`; larger ranges than [`MAX_STEPS`] count as that.
+/// Position among the rungs, Q8, in `0..RANGE_RUNGS`; ranges above [`MAX_STEPS`] are clamped to it.
+#[expect(clippy::indexing_slicing, reason = "clamped to `MAX_STEPS`, the last index")]
 pub(crate) const fn position_of(steps: u16) -> u16 {
     POSITIONS[if steps < MAX_STEPS { steps } else { MAX_STEPS } as usize]
 }
 
-/// The shift in rungs of a camera height in metres: 0 for [`NOMINAL_HEIGHT_M`], bounded by [`HEIGHTS_M`].
+/// The shift in rungs of a camera height in metres: 0 at [`NOMINAL_HEIGHT_M`]; the height is clamped to [`HEIGHTS_M`],
+/// NaN to its lower end.
 #[must_use]
 pub fn height_rungs(height_m: f32) -> i8 {
     let bounded = if height_m >= HEIGHTS_M[0] { height_m.min(HEIGHTS_M[1]) } else { HEIGHTS_M[0] };
-    libm::roundf(libm::logf(bounded / NOMINAL_HEIGHT_M) / RUNG) as i8
+    round_to_i8(libm::logf(bounded / NOMINAL_HEIGHT_M) / RUNG)
 }
 
-/// The height in metres that a shift in rungs stands for; [`height_rungs`] is within half a rung of it: 3 %.
+/// The camera height, metres, of a shift in rungs: the inverse of [`height_rungs`], which rounds by up to half a rung (3 %).
 #[must_use]
 pub fn height_m(rungs: i8) -> f32 {
     NOMINAL_HEIGHT_M * libm::expf(f32::from(rungs) * RUNG)
@@ -105,7 +122,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rungs_are_in_equal_ratios() {
+    fn rungs_are_a_geometric_progression() {
         for (k, &mm) in RUNG_MM.iter().enumerate() {
             let expected = 400.0 * 75f64.powf(k as f64 / 71.0);
             assert!((f64::from(mm) - expected).abs() <= 0.5001, "rung {k}: {mm} mm, not {expected}");
@@ -114,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn logarithms_are_those_of_the_ladder() {
+    fn stated_logarithms_match_the_ladder() {
         assert_eq!(RUNG, (75f64.ln() / 71.0) as f32);
         let nearest = (0.4f64 / 1.5).ln();
         assert!((f64::from(NEAREST_LOG) - nearest).abs() < 5e-7, "{NEAREST_LOG}, not {nearest}");

@@ -1,4 +1,4 @@
-//! The vocabulary of all wings; no algorithm of the field.
+//! Vocabulary shared by all wings: number formats, angles, rasters, scans, poses. No algorithm of the field.
 
 pub mod circle;
 pub mod confidence;

@@ -16,10 +16,10 @@
 //! | [`LogWeight`] | I24F8 | +-8.4e6 nat | 1/256 nat |
 //! | [`CastNats`] | I20F12 | +-5.2e5 nat | 1/4096 nat |
 //!
-//! One natural logarithm has several types because its scale follows from what is summed: cells of a table are bytes,
-//! a pose sums 360 of them, casts interpolate between cells.
+//! Log-likelihood ratios have several types because range and quantum follow from what is summed: a table cell is a byte,
+//! a pose sums 360 cells, a cast ray interpolates between cells.
 //!
-//! Ranges are counted in march steps of 0.02 m ([`crate::base::scan`]): no rounding at all.
+//! Ranges are whole march steps of 0.02 m ([`crate::base::scan`]): they are exact.
 
 use core::ops::{Add, Neg, Sub};
 use fixed::types::{I2F14, I2F30, I4F4, I8F8, I12F4, I20F12, I24F8, I28F4, I32F32, U3F5, U4F4};
@@ -27,7 +27,7 @@ use fixed::types::{I2F14, I2F30, I4F4, I8F8, I12F4, I20F12, I24F8, I28F4, I32F32
 /// Bins of a scan or a descriptor channel: one per degree, counter-clockwise from the heading.
 pub const BINS: usize = 360;
 
-/// A descriptor value. Channel values lie in [0, 1.5], centred ones in [-1.5, 1.5].
+/// A descriptor value. Channel values lie in [0, 1.5], mean-free ones in [-1.5, 1.5].
 pub type ChannelValue = I2F14;
 
 /// A length or coordinate in metres.
@@ -45,34 +45,119 @@ pub type Nats = I28F4;
 /// A log-likelihood ratio of one direction.
 pub type BinNats = I12F4;
 
-/// A log-likelihood ratio of one cell: a direction at one rung of range and with one hit type.
+/// A log-likelihood ratio of one cell: one direction, range rung and hit type.
 pub type CellNats = I4F4;
 
-/// Evidence of a boundary in one cell, never negative. Arrays of it are kept as bytes, the bits of this type.
+/// Evidence of a boundary in one cell, never negative. Stored in byte arrays as the bits of this type.
 pub type SupportNats = U4F4;
 
-/// The logarithm of an edge's strength. Arrays of it are kept as bytes, the bits of this type.
+/// The logarithm of an edge's strength. Stored in byte arrays as the bits of this type.
 pub type EdgeNats = U3F5;
 
-/// Log odds of a window: of a box, or of the direction it lies in.
+/// Log odds of a window, of a box or of a direction.
 pub type LogOdds = I8F8;
 
 /// A sum of [`LogOdds`], or the logarithm of a probability.
 pub type LogWeight = I24F8;
 
-/// A log-likelihood ratio from cells interpolated between rungs, summed over the rays cast.
+/// A log-likelihood ratio summed over cast rays, from cells interpolated between rungs.
 pub type CastNats = I20F12;
 
-/// A sum of log odds as log odds, saturated.
+/// Truncates towards zero; saturates beyond the range of `i32`, and NaN becomes 0.
+#[inline(always)]
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "a cast from a float truncates and saturates, as documented"
+)]
+pub(crate) const fn truncate_to_i32(value: f32) -> i32 {
+    value as i32
+}
+
+/// Truncates towards zero; negative values and NaN become 0, values beyond the range of `usize` saturate.
+#[inline(always)]
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a cast from a float truncates and saturates, as documented"
+)]
+pub(crate) const fn truncate_to_index(value: f32) -> usize {
+    value as usize
+}
+
+/// Truncates towards zero; negative values and NaN become 0, values above 65535 saturate.
+#[inline(always)]
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a cast from a float truncates and saturates, as documented"
+)]
+pub(crate) const fn truncate_to_u16(value: f32) -> u16 {
+    value as u16
+}
+
+/// Truncates towards zero; negative values and NaN become 0, values above 255 saturate.
+#[inline(always)]
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a cast from a float truncates and saturates, as documented"
+)]
+pub(crate) const fn truncate_to_u8(value: f32) -> u8 {
+    value as u8
+}
+
+/// Rounds to the nearest, ties away from zero; saturates beyond the range of `i8`, and NaN becomes 0.
+#[inline(always)]
+#[expect(clippy::cast_possible_truncation, reason = "a cast from a float saturates, as documented")]
+pub(crate) fn round_to_i8(value: f32) -> i8 {
+    libm::roundf(value) as i8
+}
+
+/// The index of a coordinate. A negative one gives an index beyond the end of every slice.
+#[inline(always)]
+#[expect(
+    clippy::cast_sign_loss,
+    reason = "sign extension puts negative coordinates beyond the end of every slice"
+)]
+pub(crate) const fn index_of(coordinate: i32) -> usize {
+    coordinate as usize
+}
+
+/// A count or an index as `i32`: exact below 2^31, which debug builds assert.
+#[inline(always)]
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    reason = "sides of rasters, rows of tables and lengths of lists are below 2^31"
+)]
+pub(crate) const fn count_as_i32(count: usize) -> i32 {
+    debug_assert!(count <= i32::MAX as usize, "count exceeds i32");
+    count as i32
+}
+
+/// An unsigned integer as `u16`, saturated.
+#[inline(always)]
+pub(crate) fn saturate_to_u16(value: impl TryInto<u16>) -> u16 {
+    value.try_into().unwrap_or(u16::MAX)
+}
+
+/// An unsigned integer as `u32`, saturated.
+#[inline(always)]
+pub(crate) fn saturate_to_u32(value: impl TryInto<u32>) -> u32 {
+    value.try_into().unwrap_or(u32::MAX)
+}
+
+/// Narrows a sum of log odds, saturating.
+#[expect(clippy::cast_possible_truncation, reason = "clamped to the range of `i16`")]
 #[inline(always)]
 pub(crate) fn log_odds(sum: LogWeight) -> LogOdds {
     LogOdds::from_bits(sum.to_bits().clamp(i16::MIN.into(), i16::MAX.into()) as i16)
 }
 
-/// Conversion to `f32`, rounded to the nearest: one conversion and one product, where `to_num` of `fixed` takes dozens
-/// of instructions.
+/// Conversion to `f32`, rounded to the nearest: one conversion and one product. `to_num` of `fixed` takes dozens of
+/// instructions.
 pub(crate) trait ToFloat {
-    /// The value.
+    /// The value as `f32`.
     fn to_float(self) -> f32;
 }
 
@@ -104,13 +189,13 @@ pub struct Point {
 }
 
 impl Point {
-    /// A point from its coordinates in metres.
+    /// Makes a point of its coordinates in metres.
     #[must_use]
     pub const fn new(x: Metres, y: Metres) -> Self {
         Self { x, y }
     }
 
-    /// Whether the other point lies within `distance` (a square root is never taken).
+    /// Whether the distance to the other point is at most `distance`, compared by squares.
     #[must_use]
     pub fn within(self, other: Self, distance: Metres) -> bool {
         let square = |d: Metres| i128::from(d.to_bits()) * i128::from(d.to_bits());
@@ -129,7 +214,7 @@ impl defmt::Format for Point {
     }
 }
 
-/// A binary angle: the whole turn is the whole `u32`, so addition wraps for free.
+/// A binary angle: 2^32 is the whole turn, so that addition wraps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, PartialOrd, Ord)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Turn(u32);
@@ -138,7 +223,7 @@ impl Turn {
     /// The angle 0.
     pub const ZERO: Self = Self(0);
 
-    /// From raw bits: 2^32 is the whole turn.
+    /// Makes an angle of raw bits: 2^32 is the whole turn.
     #[must_use]
     pub const fn from_bits(bits: u32) -> Self {
         Self(bits)
@@ -150,43 +235,48 @@ impl Turn {
         self.0
     }
 
-    /// `numerator / denominator` of a turn, rounded to the nearest; any sign. A zero denominator gives 0.
+    /// `numerator / denominator` of a turn, of either sign, rounded to the nearest. A denominator of 0 gives 0.
     ///
     /// Microdegrees are `from_ratio(micro, 360_000_000)`.
     #[must_use]
+    #[expect(clippy::cast_possible_truncation, reason = "the quotient is taken modulo a whole turn")]
     pub const fn from_ratio(numerator: i64, denominator: u32) -> Self {
         if denominator == 0 {
             return Self::ZERO;
         }
-        let denominator = denominator as i64;
-        let reduced = numerator.rem_euclid(denominator) as u64;
-        let half = denominator as u64 / 2;
-        Self((((reduced << 32) + half) / denominator as u64) as u32)
+        let reduced = numerator.rem_euclid(denominator as i64).cast_unsigned();
+        let denominator = denominator as u64;
+        Self((((reduced << 32) + denominator / 2) / denominator) as u32)
     }
 
-    /// Whole degrees of any sign, rounded to the nearest 2^-32 of a turn.
+    /// Whole degrees of either sign, rounded to the nearest 2^-32 of a turn.
     #[must_use]
+    #[expect(clippy::cast_possible_truncation, reason = "`BINS` is 360")]
     pub const fn from_degrees(degrees: i64) -> Self {
         Self::from_ratio(degrees, BINS as u32)
     }
 
-    /// The direction of a bin from bin 0.
+    /// The angle of a bin, taken modulo 360, from bin 0.
     #[must_use]
+    #[expect(clippy::cast_possible_wrap, reason = "the remainder is below 360")]
     pub const fn from_bin(bin: usize) -> Self {
         Self::from_degrees((bin % BINS) as i64)
     }
 
-    /// The nearest bin to a direction from bin 0, below 360.
+    /// The bin nearest to this angle from bin 0, below 360.
     #[must_use]
     pub const fn to_bin(self) -> usize {
         ((self.0 as u64 * BINS as u64 + (1 << 31)) >> 32) as usize % BINS
     }
 
-    /// The angle in whole degrees and the rest: `(degrees in 0..360, rest in turn bits)`.
+    /// The angle as whole degrees in `0..360` and the remainder in 2^-32 degree.
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "degrees are below 360, and the remainder is the lower 32 bits"
+    )]
     const fn split_degrees(self) -> (usize, u32) {
         let scaled = self.0 as u64 * BINS as u64;
         let degrees = scaled >> 32;
-        // Rest in units of 2^-32 degree.
         (degrees as usize, scaled as u32)
     }
 
@@ -197,7 +287,7 @@ impl Turn {
         (scaled % 360_000_000) as u32
     }
 
-    /// The smaller of the two angles between two directions, at most half a turn.
+    /// The smaller angle between two directions, at most half a turn.
     #[must_use]
     pub const fn distance(self, other: Self) -> Self {
         let forward = self.0.wrapping_sub(other.0);
@@ -212,8 +302,8 @@ impl Turn {
         rotate(degree_cos_sin(degrees), small_cos_sin(rest))
     }
 
-    /// The angle `degrees` further on: cosine and sine of 360 directions cost one table look-up and
-    /// one complex product each.
+    /// Precomputes what the directions a whole number of degrees from this one share: cosine and sine of each then take
+    /// one table look-up and one complex product.
     pub(crate) fn fan(self) -> Fan {
         let (degrees, rest) = self.split_degrees();
         Fan { degrees, rest: small_cos_sin(rest) }
@@ -241,7 +331,7 @@ impl Neg for Turn {
     }
 }
 
-/// Directions a whole number of degrees on from a heading.
+/// Directions at whole degrees from a heading.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Fan {
     degrees: usize,
@@ -249,17 +339,23 @@ pub(crate) struct Fan {
 }
 
 impl Fan {
-    /// Cosine and sine of heading + `degrees`, each within 2^-29.
+    /// Cosine and sine of heading + `degrees`, each within 2^-29 of the exact value.
     pub(crate) fn cos_sin(&self, degrees: usize) -> (Unit, Unit) {
         rotate(degree_cos_sin((self.degrees + degrees) % BINS), self.rest)
     }
 }
 
-/// cos and sin of 1 degree in Q62.
+/// Cosine of 1 degree, Q62.
 const COS_1: i128 = 4_610_983_636_309_578_612;
+/// Sine of 1 degree, Q62.
 const SIN_1: i128 = 80_485_018_754_732_517;
 
-/// sin of 0..=90 degrees in Q30, by the recursion e^(i(n+1)d) = e^(ind) e^(id) in Q62 (error below 2^-54).
+/// Sine of 0 to 90 degrees, Q30, by the recursion e^(i(n+1)d) = e^(ind) e^(id) in Q62 (error below 2^-54).
+#[expect(
+    clippy::indexing_slicing,
+    clippy::cast_possible_truncation,
+    reason = "n is at most 90, and sines are at most 2^30"
+)]
 const SINE: [i32; 91] = {
     let mut table = [0; 91];
     let (mut cos, mut sin) = (1_i128 << 62, 0_i128);
@@ -280,6 +376,7 @@ pub(crate) const fn degree_cosine(degrees: usize) -> i32 {
 }
 
 /// Sine of whole degrees in Q30, at compile time.
+#[expect(clippy::indexing_slicing, reason = "remainders of 90 index 91 entries")]
 pub(crate) const fn degree_sine(degrees: usize) -> i32 {
     let degrees = degrees % BINS;
     let within = degrees % 90;
@@ -305,14 +402,15 @@ fn degree_cos_sin(degrees: usize) -> (Unit, Unit) {
     (Unit::from_bits(c), Unit::from_bits(s))
 }
 
-/// Cosine and sine of an angle below one degree, given in units of 2^-32 degree.
+/// Cosine and sine of an angle below one degree, given in 2^-32 degree.
 ///
-/// Taylor series to x^5; the first dropped term is below 2^-43.
+/// Taylor series to x^5; the first omitted term is below 2^-43.
+#[expect(clippy::cast_possible_truncation, reason = "cosine and sine are at most 2^30 in Q30")]
 fn small_cos_sin(rest: u32) -> (Unit, Unit) {
     if rest == 0 {
         return (Unit::ONE, Unit::ZERO);
     }
-    // pi/180 in Q36 times Q32, to Q36: x < 2^-5.8, so x * x stays below 2^61.
+    // Q32 degrees times pi / 180 in Q36 gives Q36: x < 2^-5.8, so that x * x stays below 2^61.
     const RADIANS: u64 = 1_199_381_129;
     let x = (u64::from(rest) * RADIANS) >> 32;
     let x2 = (x * x) >> 36;
@@ -327,6 +425,10 @@ fn small_cos_sin(rest: u32) -> (Unit, Unit) {
 }
 
 /// The product of two unit complex numbers, rounded to the nearest.
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "components of a unit complex number are at most 2^30 in Q30"
+)]
 fn rotate((c, s): (Unit, Unit), (rc, rs): (Unit, Unit)) -> (Unit, Unit) {
     let product = |a: Unit, b: Unit| i64::from(a.to_bits()) * i64::from(b.to_bits());
     let narrow = |v: i64| Unit::from_bits(((v + (1 << 29)) >> 30) as i32);

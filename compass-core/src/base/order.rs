@@ -1,9 +1,8 @@
-//! Sorting in place that cannot panic: heapsort. The library's own sorts hold a check for orders that contradict
-//! themselves, and with it a way to panic.
+//! In-place heapsort without a panic path: the sorts of `core` detect inconsistent orders and panic on them.
 //!
-//! `n log2 n` steps at most, `log2 n` of them for one sinking; neither stable nor recursive.
+//! At most `n log2 n` steps, of which one sift-down takes `log2 n`; not stable, not recursive.
 
-/// Sorts by rising key.
+/// Sorts by ascending key.
 pub(crate) fn sort_by_key<T, K: Ord>(items: &mut [T], key: impl Fn(&T) -> K) {
     heapify(items, &key);
     for end in (1..items.len()).rev() {
@@ -12,18 +11,18 @@ pub(crate) fn sort_by_key<T, K: Ord>(items: &mut [T], key: impl Fn(&T) -> K) {
     }
 }
 
-/// Makes a heap of the items: none is greater than the first.
+/// Reorders the items into a max-heap: item 0 has the largest key.
 pub(crate) fn heapify<T, K: Ord>(items: &mut [T], key: &impl Fn(&T) -> K) {
     for at in (0..items.len() / 2).rev() {
         sink(items, at, key);
     }
 }
 
-/// Moves an item of a heap down to where no greater one is below it.
+/// Sifts an item of a max-heap down until both of its children are smaller or equal.
 pub(crate) fn sink<T, K: Ord>(heap: &mut [T], mut at: usize, key: &impl Fn(&T) -> K) {
     loop {
         let order = |slot: usize| heap.get(slot).map(key);
-        // None, beyond the end, is less than any.
+        // `None`, for a slot beyond the end, compares below every key.
         let greater = if order(2 * at + 2) > order(2 * at + 1) { 2 * at + 2 } else { 2 * at + 1 };
         if order(greater) <= order(at) {
             return;
@@ -33,7 +32,7 @@ pub(crate) fn sink<T, K: Ord>(heap: &mut [T], mut at: usize, key: &impl Fn(&T) -
     }
 }
 
-/// Exchanges two items; nothing where one of them does not exist.
+/// Swaps two items; no effect if an index is out of range.
 pub(crate) fn swap<T>(items: &mut [T], a: usize, b: usize) {
     if let Ok([a, b]) = items.get_disjoint_mut([a, b]) {
         core::mem::swap(a, b);
@@ -49,7 +48,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn sorts_as_the_library_does(mut items: Vec<u16>) {
+        fn sorts_as_sort_unstable_does(mut items: Vec<u16>) {
             let mut expected = items.clone();
             expected.sort_unstable_by_key(|item| Reverse(*item));
             sort_by_key(&mut items, |item| Reverse(*item));
@@ -57,7 +56,7 @@ mod tests {
         }
 
         #[test]
-        fn the_first_of_a_heap_is_the_greatest(mut items in proptest::collection::vec(any::<u8>(), 1..99), last: u8) {
+        fn item_0_of_a_heap_has_the_largest_key(mut items in proptest::collection::vec(any::<u8>(), 1..99), last: u8) {
             heapify(&mut items, &|item| *item);
             prop_assert_eq!(Some(&items[0]), items.iter().max());
             items[0] = last;

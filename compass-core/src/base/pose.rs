@@ -1,4 +1,4 @@
-//! Poses, and poses that count as apart.
+//! Poses, and the separation that makes two poses distinct.
 
 use super::num::{Metres, Nats, Point, Turn};
 use core::cmp::Reverse;
@@ -6,15 +6,15 @@ use core::cmp::Reverse;
 /// Largest number of alternatives of an answer, the best included.
 pub const MAX_ALTERNATIVES: usize = 10;
 
-/// Where camera 0 is, and where it looks.
+/// Position and heading of camera 0 on a floor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Pose {
     /// Number of the floor, in the order of the site; all layers of one floor share its coordinates.
     pub floor: u8,
-    /// Position on the map.
+    /// Position in the floor's map coordinates.
     pub at: Point,
-    /// Direction of bin 0, that of the optical axis projected on the floor: counter-clockwise from +x.
+    /// Direction of bin 0, the optical axis projected on the floor: counter-clockwise from +x.
     pub heading: Turn,
 }
 
@@ -26,7 +26,7 @@ impl Pose {
     }
 }
 
-/// A pose on a layer of a floor and how well it explains what was seen.
+/// A pose on a layer of a floor, with the score of the evidence at it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ScoredPose {
@@ -36,13 +36,13 @@ pub struct ScoredPose {
     pub at: Point,
     /// Direction of bin 0.
     pub heading: Turn,
-    /// Log-likelihood ratio against "nothing known", of 360 bins.
+    /// Log-likelihood ratio against "nothing known", summed over 360 bins.
     #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
     pub score: Nats,
 }
 
 impl ScoredPose {
-    /// A place-holder below every score.
+    /// A placeholder; its score is below all others.
     pub const NONE: Self =
         Self { layer: 0, at: Point::new(Metres::ZERO, Metres::ZERO), heading: Turn::ZERO, score: Nats::MIN };
 
@@ -52,18 +52,18 @@ impl ScoredPose {
         (self.at, self.heading)
     }
 
-    /// Higher score first; equal ones by layer, row, column and heading.
+    /// Sort key: descending score, then layer, y, x and heading.
     pub(crate) fn order(&self) -> impl Ord + use<> {
         (Reverse(self.score), self.layer, self.at.y, self.at.x, self.heading)
     }
 }
 
-/// How far two poses are apart at least to count as two: by distance, or by the angle between their headings.
+/// Smallest distance, or smallest angle between headings, at which two poses are distinct.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Separation {
-    /// Distance of the positions.
+    /// Largest distance of positions that coincide (inclusive).
     pub distance: Metres,
-    /// Angle between the headings.
+    /// Smallest angle between headings that differ.
     pub turn: Turn,
 }
 
@@ -75,32 +75,32 @@ impl Separation {
     /// Hypotheses of a track: 0.5 m or 15 degrees.
     pub const HYPOTHESES: Self = Self { distance: Metres::lit("0.5"), turn: Turn::from_degrees(15) };
 
-    /// Whether two poses in one floor's coordinates count as one: not farther apart than the distance and turned by less
-    /// than the angle.
+    /// Whether two poses in one floor's coordinates coincide: their distance is at most [`distance`](Self::distance) and
+    /// the angle between their headings below [`turn`](Self::turn).
     #[must_use]
     pub fn is_near(&self, a: (Point, Turn), b: (Point, Turn)) -> bool {
         self.is_turn_near(a.1, b.1) && self.is_place_near(a.0, b.0)
     }
 
-    /// Whether two headings lie within the angle.
+    /// Whether the angle between two headings is below [`turn`](Self::turn).
     #[must_use]
     pub fn is_turn_near(&self, a: Turn, b: Turn) -> bool {
         a.distance(b) < self.turn
     }
 
-    /// Whether two positions lie within the distance.
+    /// Whether two positions are at most [`distance`](Self::distance) apart.
     #[must_use]
     pub fn is_place_near(&self, a: Point, b: Point) -> bool {
         a.within(b, self.distance)
     }
 
-    /// Whether two poses count as one: on one floor, and near.
+    /// Whether two poses coincide: same floor, and [near](Self::is_near).
     #[must_use]
     pub fn joins(&self, a: &Pose, b: &Pose) -> bool {
         a.floor == b.floor && self.is_near(a.place(), b.place())
     }
 
-    /// Whether two poses on one layer count as one; those on two layers never do.
+    /// Whether two scored poses coincide: same layer, and [near](Self::is_near).
     #[must_use]
     pub fn joins_on_layer(&self, a: &ScoredPose, b: &ScoredPose) -> bool {
         a.layer == b.layer && self.is_near(a.place(), b.place())
@@ -112,7 +112,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn poses_are_apart_by_floor_distance_or_heading() {
+    fn poses_differ_by_floor_distance_or_heading() {
         let pose = |floor: u8, x: &str, degrees: i64| Pose {
             floor,
             at: Point::new(x.parse().unwrap(), Metres::ZERO),

@@ -1,26 +1,26 @@
-//! Borrowed raster views, checked once when made: bit masks, gray and colour images.
+//! Borrowed raster views whose size is checked once, at construction: bit masks, gray and colour images.
 //!
 //! Row 0 of a plan's mask is the **southernmost** row (y up), so that map coordinates grow with the
-//! index; importers of plans flip the rows. Row 0 of an image, and of a mask over one, is its top row.
+//! index; plan importers flip the rows. Row 0 of an image, and of a mask of one, is its top row.
 
 use core::fmt;
 
-/// Why a raster view could not be made.
+/// Error of constructing a raster view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum RasterError {
-    /// Width or height is zero, or above [`MAX_SIDE`].
+    /// Width or height is 0 or above [`MAX_SIDE`].
     Size,
-    /// The slice is shorter than the rows of the raster.
+    /// The slice is shorter than width and height require.
     Length,
 }
 
 impl fmt::Display for RasterError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Self::Size => "raster side is zero or above 65535 pixels",
-            Self::Length => "raster data is shorter than its size needs",
+            Self::Size => "raster side is 0 or above 65535 pixels",
+            Self::Length => "raster data is shorter than width and height require",
         })
     }
 }
@@ -75,21 +75,21 @@ impl<'a> BitMask<'a> {
         self.height
     }
 
-    /// The pixel at column `x`, row `y`; outside the raster it is unset.
+    /// The bit at column `x`, row `y`; unset outside the raster.
     #[must_use]
     #[inline]
     pub fn get(&self, x: u32, y: u32) -> bool {
         x < self.width && self.byte(x / 8, y) >> (x % 8) & 1 == 1
     }
 
-    /// The bytes of row `y`, padding as it is; none outside.
+    /// The bytes of row `y`, padding bits unchanged; empty outside the mask.
     pub(crate) fn row(&self, y: u32) -> &'a [u8] {
         let start = y as usize * self.row_bytes;
         let row = if y < self.height { self.bits.get(start..start + self.row_bytes) } else { None };
         row.unwrap_or(&[])
     }
 
-    /// Eight pixels of row `y` from column `8 * column`; padding and outside read as unset.
+    /// Eight bits of row `y` from column `8 * column`; padding and pixels outside the mask are unset.
     #[must_use]
     #[inline]
     pub fn byte(&self, column: u32, y: u32) -> u8 {
@@ -197,8 +197,8 @@ impl<'a> RgbImage<'a> {
     }
 }
 
-/// Whether red dominates a colour, as on helmets and safety vests: R above half as much again as G and B, and
-/// by more than 40 levels.
+/// Whether red dominates a colour, as on helmets and safety vests: R exceeds 1.5 times the larger of G and B, and exceeds
+/// it by more than 40 levels.
 #[must_use]
 #[inline]
 pub const fn is_red([r, g, b]: [u8; 3]) -> bool {

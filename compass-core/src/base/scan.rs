@@ -1,7 +1,7 @@
-//! What 360 rays meet: range and hit type per bin.
+//! A scan: range and hit type of 360 rays.
 //!
 //! Bin j looks along heading + j degrees, counter-clockwise. Ranges are whole march steps of
-//! 0.02 m, as the paper's ray march finds them, so they carry no rounding.
+//! 0.02 m, the step of the paper's ray march: they are exact.
 
 use crate::base::num::BINS;
 
@@ -12,16 +12,17 @@ pub const STEP_MM: u32 = 20;
 pub const MAX_STEPS: u16 = 1500;
 
 /// March steps per metre.
+#[expect(clippy::cast_possible_truncation, reason = "1000 / 20 is 50")]
 pub const STEPS_PER_METRE: u16 = (1000 / STEP_MM) as u16;
 
 /// Largest range in metres.
 pub const MAX_RANGE_M: f32 = MAX_STEPS as f32 / STEPS_PER_METRE as f32;
 
-/// What a ray met first.
+/// Type of a ray's first hit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Hit {
-    /// Nothing within [`MAX_STEPS`], or the ray left the plan.
+    /// No hit within [`MAX_STEPS`], or the ray left the plan.
     #[default]
     Open,
     /// Glazing.
@@ -32,7 +33,7 @@ pub enum Hit {
 
 /// Range and hit type of 360 rays.
 ///
-/// An [`Hit::Open`] bin always has the range [`MAX_STEPS`].
+/// A bin of type [`Hit::Open`] always has the range [`MAX_STEPS`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Scan {
     /// Range per bin in steps of 0.02 m, 1..=1500.
@@ -42,10 +43,10 @@ pub struct Scan {
 }
 
 impl Scan {
-    /// A scan that meets nothing anywhere.
+    /// A scan without a hit.
     pub const OPEN: Self = Self { steps: [MAX_STEPS; BINS], hit: [Hit::Open; BINS] };
 
-    /// All bytes zero: what workspaces begin with, so that statics need no initial image.
+    /// All bytes zero: the initial value of workspaces, so that statics need no image in flash.
     pub(crate) const BLANK: Self = Self { steps: [0; BINS], hit: [Hit::Open; BINS] };
 
     /// The number of bins with this hit type.
@@ -60,10 +61,10 @@ impl Scan {
     #[must_use]
     pub fn segments(&self) -> usize {
         let mut changes = 0;
-        let mut before = self.hit.last().copied().unwrap_or_default();
+        let mut previous = self.hit.last().copied().unwrap_or_default();
         for &hit in &self.hit {
-            changes += usize::from(hit != before);
-            before = hit;
+            changes += usize::from(hit != previous);
+            previous = hit;
         }
         changes.max(1)
     }

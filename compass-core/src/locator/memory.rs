@@ -9,7 +9,7 @@ use crate::vision::boundary::{self, CELLS, RangeLikelihoods};
 use crate::vision::camera::{CAMERAS, Rig};
 use crate::vision::panorama::Resolution;
 use crate::vision::segments::{self, Segment, pixels, trail_len};
-use crate::vision::windows::{self, Column, Upright, Window, WindowBox};
+use crate::vision::windows::{self, Column, VerticalSegment, Window, WindowBox};
 use bytemuck::Pod;
 use core::mem;
 
@@ -134,7 +134,7 @@ impl Layout {
         let ring = self.settings.panorama;
         2 * of::<u8>(ring.cells())
             + of::<Column>(ring.columns() + 1)
-            + of::<Upright>(self.settings.vertical_segments)
+            + of::<VerticalSegment>(self.settings.vertical_segments)
             + of::<WindowBox>(self.settings.boxes)
             + self.smoothing_words()
     }
@@ -195,7 +195,7 @@ impl Layout {
             gray: rest.take(ring.cells())?,
             texture: rest.take(ring.cells())?,
             columns: rest.take(ring.columns() + 1)?,
-            uprights: rest.take(self.settings.vertical_segments)?,
+            vertical_segments: rest.take(self.settings.vertical_segments)?,
             boxes: rest.take(self.settings.boxes)?,
         };
         Some(Look { kept, buffers, smoothing: self.smoothing(&mut rest)? })

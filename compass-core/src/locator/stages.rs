@@ -431,7 +431,11 @@ fn trace_windows<M: AsMut<[u32]>, T: Trace, const LAYERS: usize>(locator: &mut L
         evidence,
         panorama: look.buffers.gray,
         resolution: *resolution,
-        vertical_segments: look.buffers.uprights.get(..evidence.uprights).unwrap_or_default(),
+        vertical_segments: look
+            .buffers
+            .vertical_segments
+            .get(..evidence.vertical_segments)
+            .unwrap_or_default(),
         boxes: look.buffers.boxes.get(..evidence.boxes).unwrap_or_default(),
     };
     trace.end(Stage::Windows, picture);

@@ -6,7 +6,7 @@ use crate::vision::attitude::Vertical;
 use crate::vision::boundary::BoundaryEvidence;
 use crate::vision::panorama::Resolution;
 use crate::vision::segments::Segment;
-use crate::vision::windows::{Upright, Window, WindowBox, WindowEvidence};
+use crate::vision::windows::{VerticalSegment, Window, WindowBox, WindowEvidence};
 
 /// A stage of the pipeline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -61,7 +61,7 @@ pub enum Picture<'a> {
         /// Size of the panorama's cells.
         resolution: Resolution,
         /// Near-vertical segments.
-        vertical_segments: &'a [Upright],
+        vertical_segments: &'a [VerticalSegment],
         /// Pairs of edges that were scored as windows.
         boxes: &'a [WindowBox],
     },

@@ -1,35 +1,38 @@
-//! The part of an image that its lens draws.
+//! The image of a lens's field, as a mask.
 
+use crate::base::num::truncate_to_u16;
 use crate::vision::camera::{Bearing, View};
 
-/// Segments are sought this far from the optical axis, radians: 95 degrees.
+/// Angle from the optical axis within which segments are detected, radians: 95 degrees.
 const FIELD: f32 = 95.0 * core::f32::consts::PI / 180.0;
-/// Pixels next to the rim that its gradient reaches.
+/// Width, pixels, of the rim that the gradient at the border of the field reaches.
 const RIM_PX: f32 = 3.0;
 
-/// Sets the bits of the pixels within 95 degrees of the optical axis, a rim of 3 pixels left out, in the layout of
-/// [`BitMask`](crate::base::raster::BitMask); the others are cleared.
+/// Sets the bits of the pixels within 95 degrees of the optical axis, less a rim of 3 pixels, and clears the others.
+///
+/// `bits` has the layout of [`BitMask`](crate::base::raster::BitMask); rows beyond its length are omitted.
 pub fn fill_mask(view: &View, bits: &mut [u8]) {
     let row_bytes = usize::from(view.width).div_ceil(8);
-    let circle = Circle::of(view);
+    let border = Ellipse::of(view);
     for (y, row) in (0..view.height).zip(bits.chunks_exact_mut(row_bytes.max(1))) {
-        let inside = circle.columns(f32::from(y), view.width);
+        let inside = border.columns(f32::from(y), view.width);
         for (byte, from) in row.iter_mut().zip((0_u16..).step_by(8)) {
             let bits = |end: u16| (1_u16 << end.saturating_sub(from).min(8)) - 1;
-            *byte = (bits(inside[1]) & !bits(inside[0])) as u8;
+            let [low, _] = (bits(inside[1]) & !bits(inside[0])).to_le_bytes();
+            *byte = low;
         }
     }
 }
 
 /// The border of the field: an ellipse around the principal point.
-struct Circle {
+struct Ellipse {
     centre: [f32; 2],
     focal: [f32; 2],
-    /// In focal lengths.
+    /// Radius in focal lengths.
     radius: f32,
 }
 
-impl Circle {
+impl Ellipse {
     fn of(view: &View) -> Self {
         let i = view.camera.intrinsics();
         let (sin, cos) = libm::sincosf(FIELD);
@@ -38,11 +41,11 @@ impl Circle {
         Self { centre: [i.cx, i.cy], focal: [i.fx, i.fy], radius }
     }
 
-    /// The columns of a row that lie inside: the first, and the one after the last.
+    /// The columns of a row inside the ellipse: the first, and the one after the last.
     fn columns(&self, y: f32, width: u16) -> [u16; 2] {
         let ([cx, cy], [fx, fy]) = (self.centre, self.focal);
         let v = (y - cy) / fy;
-        let room = self.radius * self.radius - v * v;
+        let half_chord_squared = self.radius * self.radius - v * v;
         let contains = |x: u16| {
             let u = (f32::from(x) - cx) / fx;
             u * u + v * v < self.radius * self.radius
@@ -50,12 +53,12 @@ impl Circle {
         if self.radius.is_infinite() {
             return [0, width];
         }
-        if room <= 0.0 {
+        if half_chord_squared <= 0.0 {
             return [0; 2];
         }
-        // The root finds the border to a pixel; which of the pixels there belong to it the circle itself tells.
-        let reach = libm::sqrtf(room) * fx;
-        let near = |x: f32| (x.max(0.0) as u16).min(width);
+        // The root locates the border within a pixel; the inequality decides for the pixels around it.
+        let reach = libm::sqrtf(half_chord_squared) * fx;
+        let near = |x: f32| truncate_to_u16(x.max(0.0)).min(width);
         let first = near(cx - reach - 1.0);
         let end = near(cx + reach + 3.0);
         let start = (first..end).take(4).find(|x| contains(*x)).unwrap_or(end);
@@ -72,7 +75,7 @@ mod tests {
     use std::vec;
 
     #[test]
-    fn bits_are_those_of_the_circle() {
+    fn bits_match_the_ellipse() {
         for (focal, width, height, cx) in
             [(20.0, 100_u16, 90_u16, 47.3), (31.7, 64, 70, 30.0), (11.0, 77, 64, 2.0)]
         {
@@ -81,12 +84,12 @@ mod tests {
             let mut bits = vec![0xa5; BitMask::row_bytes(width.into()) * usize::from(height)];
             fill_mask(&view, &mut bits);
             let mask = BitMask::new(&bits, width.into(), height.into()).unwrap();
-            let circle = Circle::of(&view);
+            let border = Ellipse::of(&view);
             let mut inside = 0;
             for (x, y) in (0..width).flat_map(|x| (0..height).map(move |y| (x, y))) {
-                let u = (f32::from(x) - circle.centre[0]) / circle.focal[0];
-                let v = (f32::from(y) - circle.centre[1]) / circle.focal[1];
-                let expected = u * u + v * v < circle.radius * circle.radius;
+                let u = (f32::from(x) - border.centre[0]) / border.focal[0];
+                let v = (f32::from(y) - border.centre[1]) / border.focal[1];
+                let expected = u * u + v * v < border.radius * border.radius;
                 assert_eq!(mask.get(x.into(), y.into()), expected, "{x}, {y} of {width} x {height}");
                 inside += usize::from(expected);
             }

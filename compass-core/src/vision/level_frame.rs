@@ -1,23 +1,23 @@
-//! The gravity-aligned frame that azimuths and elevations are measured in.
+//! The gravity-aligned frame of azimuths and elevations.
 
 use crate::vision::camera::Bearing;
 use nalgebra::{Matrix3, Vector3};
 
-/// Distance, in metres, at which the baseline between the cameras is made good exactly. What stands
-/// elsewhere, at r metres, comes out by baseline |1/r - 1/6| radians aside at worst: 0.8 degrees at 2 m
-/// and 0.4 degrees far away for 40 mm, beside the camera, and nothing behind it.
+/// Range, in metres, at which the parallax of the baseline between the cameras is compensated exactly. At r metres the
+/// residual parallax is at most baseline |1/r - 1/6| radians: for 40 mm, 0.8 degrees at 2 m and 0.4 degrees at infinity,
+/// at right angles to the baseline, and 0 along it.
 pub const NOMINAL_RANGE_M: f32 = 6.0;
 
-/// The level frame in camera 0: forward is its optical axis brought to the horizon.
+/// The level frame of camera 0: forward is its optical axis projected on the horizontal plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LevelFrame {
-    /// Rows are forward, left and up, unit vectors in camera 0.
+    /// Rows are the unit vectors forward, left and up in camera 0.
     axes: Matrix3<f32>,
 }
 
 impl LevelFrame {
-    /// From the up vector in camera 0, of any length; `None` if it is not finite, zero, or along the
-    /// optical axis, which leaves no heading.
+    /// Makes the frame of the up vector in camera 0, of any length; `None` if it is not finite, shorter than 0.001, or
+    /// parallel to the optical axis, which leaves the heading undefined.
     #[must_use]
     pub fn new(up: &Bearing) -> Option<Self> {
         let unit = |v: Vector3<f32>| {
@@ -43,7 +43,7 @@ impl LevelFrame {
         self.bearing_of(libm::sincosf(azimuth), libm::sincosf(elevation))
     }
 
-    /// The same from sine and cosine of both.
+    /// [`bearing`](Self::bearing) from sine and cosine of azimuth and of elevation.
     pub(super) fn bearing_of(&self, (sin_a, cos_a): (f32, f32), (sin_e, cos_e): (f32, f32)) -> Bearing {
         self.axes.tr_mul(&Vector3::new(cos_e * cos_a, cos_e * sin_a, sin_e))
     }

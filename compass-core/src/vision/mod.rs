@@ -1,4 +1,5 @@
-//! What the cameras see: each stage takes borrowed images and gives plain results.
+//! Computer vision: from frames to segments, up vector, windows, and boundaries of floor and ceiling. Each stage takes
+//! borrowed images and buffers and returns plain values.
 
 pub mod attitude;
 pub mod boundary;

@@ -1,5 +1,6 @@
-//! The panorama of both cameras: its extent and the size of its cells.
+//! Geometry of the panorama of both cameras: extent and cell size.
 
+use crate::base::num::index_of;
 use crate::vision::camera::View;
 
 /// Elevation of the upper border of row 0, degrees.
@@ -7,12 +8,12 @@ pub const TOP_DEG: i32 = 35;
 /// Elevation of the lower border of the last row, degrees.
 pub const BOTTOM_DEG: i32 = -30;
 
-/// Size of a ring's cells: their number in a degree, 2 or 4.
+/// Resolution of a panorama: 2 or 4 cells per degree of azimuth and of elevation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Resolution(PerDegree);
 
-/// The numbers there can be: whatever is divided by one of them is not divided by 0.
+/// The possible values: an enum, so that the compiler knows that divisors are not 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 enum PerDegree {
@@ -21,43 +22,53 @@ enum PerDegree {
 }
 
 impl Resolution {
-    /// Quarters of a degree: for lenses of 4 pixels and more a degree.
+    /// 4 cells per degree: for images of 3 pixels per degree and more.
     pub const FINE: Self = Self(PerDegree::Four);
-    /// Halves of a degree: for lenses of 2 pixels a degree.
+    /// 2 cells per degree: for images below 3 pixels per degree.
     pub const COARSE: Self = Self(PerDegree::Two);
 
-    /// The resolution that does not ask more of a camera than its image holds.
+    /// The resolution for a view, by its pixels per degree on the optical axis.
     #[must_use]
     pub fn of(view: &View) -> Self {
         if pixels_per_degree(view) < 3.0 { Self::COARSE } else { Self::FINE }
     }
 
-    /// Cells in a degree.
+    /// Cells per degree.
     #[must_use]
     pub const fn per_degree(self) -> usize {
         self.0 as usize
     }
 
-    /// Columns of a ring.
+    /// [`per_degree`](Self::per_degree) as `i32`.
+    pub(crate) const fn per_degree_i32(self) -> i32 {
+        self.0 as i32
+    }
+
+    /// The row whose upper border has an elevation in degrees, at most [`TOP_DEG`].
+    pub(crate) const fn row_of(self, elevation: i32) -> usize {
+        index_of(TOP_DEG - elevation) * self.per_degree()
+    }
+
+    /// Number of columns: azimuth.
     #[must_use]
     pub const fn columns(self) -> usize {
         360 * self.per_degree()
     }
 
-    /// Rows of a ring.
+    /// Number of rows: elevation.
     #[must_use]
     pub const fn rows(self) -> usize {
         (TOP_DEG - BOTTOM_DEG) as usize * self.per_degree()
     }
 
-    /// Cells of a ring.
+    /// Number of cells.
     #[must_use]
     pub const fn cells(self) -> usize {
         self.columns() * self.rows()
     }
 }
 
-/// Pixels in a degree at the middle of a view.
+/// Pixels per degree on the optical axis of a view.
 pub(super) fn pixels_per_degree(view: &View) -> f32 {
     view.camera.intrinsics().fx * (core::f32::consts::PI / 180.0)
 }

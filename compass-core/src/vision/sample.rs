@@ -1,27 +1,28 @@
-//! Sampling of an image between its pixels, with pixels that are left out.
+//! Bilinear sampling of an image, with excluded pixels.
 
+use crate::base::num::{count_as_i32, index_of};
 use crate::base::raster::{BitMask, GrayImage, RgbImage, is_red};
 
-/// Fraction bits of a position in the image.
+/// Fractional bits of a pixel position.
 pub(crate) const SUBPIXEL: u32 = 8;
 
-/// Where red is, for what is to be left out as safety gear.
+/// Pixels to leave out because they show red safety gear.
 #[derive(Debug, Clone, Copy)]
 pub enum ExclusionMask<'a> {
-    /// Not known: nothing is left out.
+    /// No colours known: no pixel is left out.
     Unknown,
-    /// Judged by [`is_red`] from the colours of the image.
+    /// Pixels whose colour [`is_red`].
     Colours(RgbImage<'a>),
-    /// Set where the image is red.
+    /// Pixels whose bit is set.
     Mask(BitMask<'a>),
 }
 
 impl ExclusionMask<'_> {
-    /// At a position in 1/256 px.
+    /// Whether the pixel at a position in 1/256 px is excluded.
     #[inline(always)]
     pub(crate) fn at(&self, x: i32, y: i32) -> bool {
-        // What is left of the image or above it lies beyond its other border as well.
-        let (x, y) = ((x >> SUBPIXEL) as u32, (y >> SUBPIXEL) as u32);
+        // Negative coordinates become large ones, outside the image too.
+        let (x, y) = ((x >> SUBPIXEL).cast_unsigned(), (y >> SUBPIXEL).cast_unsigned());
         match self {
             Self::Unknown => false,
             Self::Colours(image) => is_red(image.pixel(x, y)),
@@ -30,30 +31,32 @@ impl ExclusionMask<'_> {
     }
 }
 
-/// The gray level at a position, 1 to 255; 0 within a pixel of the image's border, outside it, or on red.
+/// The gray level at a position in 1/256 px, 1 to 255; 0 within a pixel of the image border, outside, and where excluded.
 #[inline(always)]
-pub(crate) fn sample_bilinear(image: &GrayImage<'_>, red: ExclusionMask<'_>, x: i32, y: i32) -> u8 {
-    let four = around(image, x, y).filter(|_| !red.at(x, y));
+pub(crate) fn sample_bilinear(image: &GrayImage<'_>, excluded: ExclusionMask<'_>, x: i32, y: i32) -> u8 {
+    let four = around(image, x, y).filter(|_| !excluded.at(x, y));
     four.map_or(0, |four| between(four, x, y))
 }
 
-/// The four pixels around a position; `None` within a pixel of the image's border or outside it.
+/// The four pixels around a position in 1/256 px: upper left, upper right, lower left, lower right; `None` within a pixel
+/// of the image border and outside.
 #[inline(always)]
 pub(crate) fn around(image: &GrayImage<'_>, x: i32, y: i32) -> Option<[u8; 4]> {
     let (column, row) = (x >> SUBPIXEL, y >> SUBPIXEL);
     let width = image.width() as usize;
-    if column < 1 || row < 1 || column + 2 >= width as i32 || row + 2 >= image.height() as i32 {
+    if column < 1 || row < 1 || column + 2 >= count_as_i32(width) || row + 2 >= image.height().cast_signed() {
         return None;
     }
-    let start = row as usize * width + column as usize;
+    let start = index_of(row) * width + index_of(column);
     match image.pixels().get(start..start + width + 2) {
         Some([a, b, .., c, d]) => Some([*a, *b, *c, *d]),
         _ => None,
     }
 }
 
-/// The gray level at a position between four pixels, 1 to 255.
+/// The gray level between four pixels, interpolated by the fractions of the position, 1 to 255.
 #[inline(always)]
+#[expect(clippy::cast_sign_loss, reason = "clamped to 1 to 255")]
 pub(crate) fn between(four: [u8; 4], x: i32, y: i32) -> u8 {
     let [a, b, c, d] = four.map(i32::from);
     let (wx, wy) = (x & 0xff, y & 0xff);

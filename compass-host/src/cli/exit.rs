@@ -84,7 +84,8 @@ mod tests {
         assert_eq!(Status::from(Outcome::Done) as u8, 0);
         assert_eq!(Status::from(Outcome::No) as u8, 1);
         assert_eq!(of(SeeError::Disagreement(12.0)) as u8, 1);
-        assert_eq!(of(SeeError::NoVertical) as u8, 2);
+        assert_eq!(of(SeeError::NoVertical) as u8, 1);
+        assert_eq!(of(SeeError::Up) as u8, 2);
         assert_eq!(Status::from(&anyhow::anyhow!("no such file")) as u8, 2);
     }
 

@@ -4,11 +4,11 @@ use crate::vision::camera::{Bearing, Pixel, View};
 use crate::vision::segments::Segment;
 use bytemuck::{Pod, Zeroable};
 
-/// Arcs end at least this near to the optical axis: cosine of 92 degrees.
+/// Largest angle between an arc's ends and the optical axis: cosine of 92 degrees.
 const RIM_COS: f32 = -0.034_899_5;
-/// Arcs whose middle is this near to a direction say nothing about it: cosine squared of 20 degrees.
+/// Smallest angle between an arc's middle and a direction it can agree with: cosine squared of 20 degrees.
 const NEAR: f32 = 0.883_022_2;
-/// Longer arcs weigh no more than this, degrees.
+/// Upper bound of an arc's weight, degrees.
 const MOST_WEIGHT: f32 = 25.0;
 
 /// A segment on the unit sphere, in the axes of camera 0.
@@ -21,12 +21,12 @@ pub struct Arc {
     pub middle: Bearing,
     /// Its length in degrees, at most 25.
     pub weight: f32,
-    /// The camera it was seen by.
+    /// Number of the camera that saw it.
     pub camera: u32,
 }
 
 impl Arc {
-    /// For buffers.
+    /// Initial value of buffers.
     pub const EMPTY: Self = Self {
         normal: Bearing::new(0.0, 0.0, 0.0),
         middle: Bearing::new(0.0, 0.0, 0.0),
@@ -52,22 +52,23 @@ impl Arc {
         Some(Self { normal: normal / sin, middle: middle / double, weight: length.min(MOST_WEIGHT), camera })
     }
 
-    /// How well the arc points to a direction (a unit vector): 1 exactly, 0 at the tolerance and beyond, or within 20
-    /// degrees of its middle; a tolerance of 0.1 to 10 degrees.
+    /// Agreement of the arc with a vanishing point (a unit vector): 1 if its great circle contains it, falling to 0 at the
+    /// tolerance; 0 within 20 degrees of the arc's middle. The tolerance is clamped to 0.1 to 10 degrees.
     #[must_use]
     pub fn agreement(&self, direction: &Bearing, tolerance_deg: f32) -> f32 {
         self.agrees(direction, sharpness(tolerance_deg))
     }
 
-    /// The same from the [`sharpness`] of the tolerance.
+    /// [`agreement`](Self::agreement) by the [`sharpness`] of the tolerance.
     ///
-    /// The residual is the least turn of the arc about its middle that makes it point there.
+    /// The residual is the smallest rotation of the arc about its middle after which its great circle contains the
+    /// direction.
     #[inline(always)]
     pub(super) fn agrees(&self, direction: &Bearing, sharpness: f32) -> f32 {
         let (off, near) = (self.normal.dot(direction), self.middle.dot(direction));
-        let room = 1.0 - near * near;
+        let sin_squared = 1.0 - near * near;
         let residual = off * off * sharpness;
-        if near * near > NEAR || residual >= room { 0.0 } else { 1.0 - residual / room }
+        if near * near > NEAR || residual >= sin_squared { 0.0 } else { 1.0 - residual / sin_squared }
     }
 }
 

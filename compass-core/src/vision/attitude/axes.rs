@@ -1,16 +1,18 @@
 //! The building's axes: two horizontal vanishing points at right angles.
 
 use super::arc::{Arc, degrees};
+use crate::base::num::truncate_to_index;
 use crate::vision::camera::Bearing;
 use crate::vision::level_frame::LevelFrame;
 
-/// Votes per degree.
+/// Histogram bins per degree.
 const PER_DEGREE: usize = 4;
+/// Histogram bins of a quarter turn.
 const VOTES: usize = 90 * PER_DEGREE;
-/// Arcs whose horizontal point lies within this of an axis are its inliers, degrees.
+/// Inlier tolerance: largest angle between an arc's vanishing point and an axis, degrees.
 const TOLERANCE_DEG: f32 = 2.0;
-/// Arcs that point to the zenith within this tell no horizontal direction: sine of 10 degrees.
-const UPRIGHT_SIN: f32 = 0.173_648_2;
+/// Arcs whose great circle passes the zenith nearer than this may be of vertical lines: sine of 10 degrees.
+const VERTICAL_SIN: f32 = 0.173_648_2;
 
 /// Directions of a building's walls.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,9 +20,9 @@ const UPRIGHT_SIN: f32 = 0.173_648_2;
 pub struct Axes {
     /// Azimuth of one axis, degrees counter-clockwise from the heading, 0 to 90; the other is at right angles.
     pub azimuth_deg: f32,
-    /// Arcs along each.
+    /// Number of inlier arcs of each axis.
     pub inliers: [u16; 2],
-    /// Share of the weight of all horizontal arcs that lies along the two.
+    /// Weight of the arcs along the two axes as a share of that of all horizontal arcs, 0 to 1.
     pub share: f32,
 }
 
@@ -32,7 +34,7 @@ impl Axes {
         [azimuth, azimuth + core::f32::consts::FRAC_PI_2].map(|azimuth| level.bearing(azimuth, 0.0))
     }
 
-    /// The axis, 0 or 1, that a horizontal arc runs along.
+    /// The axis, 0 or 1, of which an arc is an inlier.
     #[must_use]
     pub fn axis_of(&self, arc: &Arc, level: &LevelFrame) -> Option<usize> {
         let turn = vanishing_azimuth(arc, level)? - self.azimuth_deg;
@@ -41,22 +43,22 @@ impl Axes {
     }
 }
 
-/// The pair of horizontal directions at right angles that most arcs run along; `None` if there is no horizontal arc.
+/// The pair of horizontal directions at right angles with the largest weight of arcs; `None` without a horizontal arc.
 ///
-/// The great circle of a horizontal line meets the horizon in its vanishing point: one vote per arc, modulo 90
-/// degrees. Facades at 45 degrees vote for a pair of their own.
+/// The great circle of a horizontal line intersects the horizon in its vanishing point: a histogram of these azimuths
+/// modulo 90 degrees, weighted by arc length, gives a peak, and the weighted mean of its inliers the answer.
 #[must_use]
 pub fn building_axes(arcs: &[Arc], level: &LevelFrame) -> Option<Axes> {
     let mut votes = [0.0_f32; VOTES];
     let mut all = 0.0;
     for (arc, azimuth) in horizontal(arcs, level) {
-        let at = (modulo(azimuth, 90.0) * PER_DEGREE as f32) as usize % VOTES;
+        let at = truncate_to_index(modulo(azimuth, 90.0) * PER_DEGREE as f32) % VOTES;
         if let Some(vote) = votes.get_mut(at) {
             *vote += arc.weight;
         }
         all += arc.weight;
     }
-    let reach = TOLERANCE_DEG as usize * PER_DEGREE;
+    let reach = truncate_to_index(TOLERANCE_DEG) * PER_DEGREE;
     let around = |at: usize| -> f32 {
         (0..=2 * reach).filter_map(|k| votes.get((at + VOTES + k - reach) % VOTES)).sum()
     };
@@ -80,23 +82,23 @@ pub fn building_axes(arcs: &[Arc], level: &LevelFrame) -> Option<Axes> {
     Some(Axes { inliers, ..axes })
 }
 
-/// Arcs that can be of horizontal lines, with the azimuth of their vanishing point.
+/// Arcs that may be of horizontal lines, with the azimuth of their vanishing points.
 fn horizontal<'a>(arcs: &'a [Arc], level: &'a LevelFrame) -> impl Iterator<Item = (&'a Arc, f32)> + 'a {
     arcs.iter().filter_map(|arc| Some((arc, vanishing_azimuth(arc, level)?)))
 }
 
-/// The azimuth in degrees of an arc's point on the horizon; `None` if it can be of an upright line.
+/// The azimuth, degrees, of an arc's intersection with the horizon; `None` if it may be of a vertical line.
 fn vanishing_azimuth(arc: &Arc, level: &LevelFrame) -> Option<f32> {
     let up: Bearing = level.up();
-    // The great circle of an upright line holds the zenith.
-    if arc.normal.dot(&up).abs() < UPRIGHT_SIN {
+    // The great circle of a vertical line contains the zenith.
+    if arc.normal.dot(&up).abs() < VERTICAL_SIN {
         return None;
     }
     let (azimuth, _) = level.direction(&arc.normal.cross(&up));
     Some(degrees(azimuth))
 }
 
-/// The remainder in 0 to `period`.
+/// The remainder in 0 to `period`, exclusive.
 fn modulo(value: f32, period: f32) -> f32 {
     let rest = value - period * libm::floorf(value / period);
     if rest >= period { 0.0 } else { rest }

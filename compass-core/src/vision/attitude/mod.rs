@@ -1,11 +1,11 @@
-//! Which way is up: the vanishing point of vertical lines, from the segments of both cameras.
+//! The up vector: the vanishing point of vertical lines, from the segments of both cameras.
 //!
-//! Every segment spans a great circle of the unit sphere. Those of parallel lines meet in two opposite points, their
-//! vanishing points (paper: roll and pitch). The vertical one is sought by seeded RANSAC over pairs of segments,
-//! near the mounting's up, and refined over the inliers of both cameras at once: they look at opposite halves. Two
-//! horizontal ones, at right angles, give the building's axes.
+//! Every segment spans a great circle of the unit sphere. The great circles of parallel lines intersect in two opposite
+//! points, their vanishing points (paper: roll and pitch). Seeded RANSAC over pairs of segments searches the vertical one
+//! near the up direction of the mounting; iteratively reweighted least squares refines it over the inliers of both cameras
+//! together, which cover opposite half-spaces. Two horizontal vanishing points at right angles give the building's axes.
 //!
-//! Floats as in [`camera`](crate::vision::camera): `f32`, through `libm` alone, without fused operations.
+//! Floats are `f32` through `libm` alone, without fused operations, as in [`camera`](crate::vision::camera).
 
 mod arc;
 mod axes;
@@ -17,7 +17,7 @@ pub use axes::{Axes, building_axes};
 pub use search::{LEAST_INLIERS, Parameters, UpHint, vertical};
 pub use vertical::Vertical;
 
-/// Bound of the angle to the direction that real-valued arithmetic refines from the same segments, degrees.
+/// Bound, in degrees, of the angle between the up vector and the one that `f64` arithmetic refines from the same segments.
 pub const UP_ERROR_DEG: f32 = 0.02;
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! The vertical vanishing point.
+//! Search of the vertical vanishing point.
 
 use super::arc::{Arc, degrees, sharpness};
 use super::vertical::Vertical;
@@ -6,33 +6,34 @@ use crate::vision::camera::{Bearing, PerCamera};
 use heapless::Vec;
 use nalgebra::{Matrix3, Vector3};
 
-/// Arcs needed to tell.
+/// Smallest number of inlier arcs of an answer.
 pub const LEAST_INLIERS: u16 = 20;
-/// Directions kept until the end, and how far they are apart: cosine of 6 degrees.
+/// Number of candidate directions that are refined.
 const PEAKS: usize = 6;
+/// Smallest separation of candidate directions: cosine of 6 degrees.
 const APART: f32 = 0.994_521_9;
-/// Rounds of refinement.
+/// Iterations of the reweighted refinement.
 const ROUNDS: usize = 8;
-/// Spread of the vertical around the hint, degrees.
+/// Standard deviation of the prior of the vertical around the hint, degrees.
 const SPREAD_DEG: f32 = 35.0;
 
-/// Where up is likely, in the axes of camera 0.
+/// Prior of the up direction, in the axes of camera 0; vectors of any length.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum UpHint {
     /// Near this direction, as for a known mounting or from an accelerometer.
     Up(Bearing),
-    /// Near this axis, one way or the other; the answer takes the sign of the vector.
+    /// Near this axis or its opposite, equally likely; the answer has the sign of the vector.
     Axis(Bearing),
 }
 
-/// What the search looks for.
+/// Parameters of the search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Parameters {
-    /// Largest angle between an inlier's great circle and the vertical, degrees: 2, or 3 for small images.
+    /// Inlier tolerance: largest angle between an inlier's great circle and the vertical, degrees. 2, or 3 for small images.
     pub tolerance_deg: f32,
-    /// Pairs of arcs tried.
+    /// Number of arc pairs sampled.
     pub trials: u16,
-    /// Seed of the choice of pairs.
+    /// Seed of the pair sampling.
     pub seed: u32,
 }
 
@@ -42,59 +43,59 @@ impl Default for Parameters {
     }
 }
 
-/// A direction that arcs point to.
+/// A candidate direction.
 #[derive(Debug, Clone, Copy)]
 struct Peak {
     direction: Bearing,
     support: f32,
-    /// Support times the prior.
+    /// Support times the prior of the hint.
     rank: f32,
 }
 
-/// Finds the vertical vanishing point of arcs, and with it the up vector.
+/// Finds the vertical vanishing point of arcs, the up vector.
 ///
-/// `None` if fewer than [`LEAST_INLIERS`] arcs agree. The work is bounded by trials times arcs.
+/// `None` if it has fewer than [`LEAST_INLIERS`] inliers. The work is bounded by trials times arcs.
 #[must_use]
 pub fn vertical(arcs: &[Arc], hint: UpHint, parameters: &Parameters) -> Option<Vertical> {
-    let judge = Judge::new(arcs, hint, parameters.tolerance_deg);
+    let scorer = Scorer::new(arcs, hint, parameters.tolerance_deg);
     let mut random = Random(parameters.seed.wrapping_mul(0x9e37_79b9) | 1);
-    let mut modes: Vec<Peak, PEAKS> = Vec::new();
+    let mut peaks: Vec<Peak, PEAKS> = Vec::new();
     for _ in 0..parameters.trials {
         let (Some(a), Some(b)) = (random.pick(arcs), random.pick(arcs)) else { break };
         if let Some(direction) = unit(a.normal.cross(&b.normal), 0.05) {
-            keep(&mut modes, judge.mode(direction));
+            keep(&mut peaks, scorer.peak(direction));
         }
     }
-    for mode in &mut modes {
-        *mode = judge.refined(mode.direction);
+    for peak in &mut peaks {
+        *peak = scorer.refined(peak.direction);
     }
-    let best = *modes.iter().max_by(|a, b| a.rank.total_cmp(&b.rank))?;
+    let best = *peaks.iter().max_by(|a, b| a.rank.total_cmp(&b.rank))?;
     let apart = |m: &&Peak| m.direction.dot(&best.direction).abs() < APART;
-    let runner_up = modes.iter().filter(apart).map(|m| m.support).fold(0.0, f32::max);
-    let answer = judge.answer(best, runner_up);
+    let runner_up = peaks.iter().filter(apart).map(|m| m.support).fold(0.0, f32::max);
+    let answer = scorer.answer(best, runner_up);
     (answer.inliers.iter().sum::<u16>() >= LEAST_INLIERS).then_some(answer)
 }
 
-/// Puts a mode on the list, in place of weaker ones close to it, or of the weakest.
-fn keep(modes: &mut Vec<Peak, PEAKS>, mode: Peak) {
-    let close = |m: &Peak| m.direction.dot(&mode.direction).abs() >= APART;
-    if modes.iter().any(|m| close(m) && m.rank >= mode.rank) {
+/// Inserts a peak with non-maximum suppression: it replaces lower-ranked peaks near it, or the lowest of a full list.
+fn keep(peaks: &mut Vec<Peak, PEAKS>, peak: Peak) {
+    let close = |m: &Peak| m.direction.dot(&peak.direction).abs() >= APART;
+    if peaks.iter().any(|m| close(m) && m.rank >= peak.rank) {
         return;
     }
-    modes.retain(|m| !close(m));
-    if modes.is_full() {
-        let weakest = modes.iter().enumerate().min_by(|a, b| a.1.rank.total_cmp(&b.1.rank));
+    peaks.retain(|m| !close(m));
+    if peaks.is_full() {
+        let weakest = peaks.iter().enumerate().min_by(|a, b| a.1.rank.total_cmp(&b.1.rank));
         let Some((index, weakest)) = weakest else { return };
-        if weakest.rank >= mode.rank {
+        if weakest.rank >= peak.rank {
             return;
         }
-        modes.swap_remove(index);
+        peaks.swap_remove(index);
     }
-    let _ = modes.push(mode);
+    let _ = peaks.push(peak);
 }
 
-/// Scores directions.
-struct Judge<'a> {
+/// Scores directions by the arcs that agree with them.
+struct Scorer<'a> {
     arcs: &'a [Arc],
     hint: Bearing,
     signed: bool,
@@ -102,7 +103,7 @@ struct Judge<'a> {
     sharpness: f32,
 }
 
-impl<'a> Judge<'a> {
+impl<'a> Scorer<'a> {
     fn new(arcs: &'a [Arc], hint: UpHint, tolerance_deg: f32) -> Self {
         let (hint, signed) = match hint {
             UpHint::Up(up) => (up, true),
@@ -117,14 +118,14 @@ impl<'a> Judge<'a> {
         arc.agrees(direction, self.sharpness)
     }
 
-    fn mode(&self, direction: Bearing) -> Peak {
+    fn peak(&self, direction: Bearing) -> Peak {
         let direction = if direction.dot(&self.hint) < 0.0 { -direction } else { direction };
         let support: f32 = self.arcs.iter().map(|arc| arc.weight * self.agreement(arc, &direction)).sum();
         let off = degrees(libm::acosf(direction.dot(&self.hint).clamp(-1.0, 1.0))) / SPREAD_DEG;
         Peak { direction, support, rank: support * libm::expf(-0.5 * off * off) }
     }
 
-    /// The direction that the arcs around it agree on: smallest eigenvector of their normals, reweighted.
+    /// Iteratively reweighted least squares: the eigenvector of the smallest eigenvalue of the weighted scatter of normals.
     fn refined(&self, mut direction: Bearing) -> Peak {
         for _ in 0..ROUNDS {
             let mut scatter = Matrix3::zeros();
@@ -136,7 +137,7 @@ impl<'a> Judge<'a> {
             }
             direction = smallest(&scatter, direction);
         }
-        self.mode(direction)
+        self.peak(direction)
     }
 
     fn answer(&self, best: Peak, runner_up: f32) -> Vertical {
@@ -162,8 +163,8 @@ impl<'a> Judge<'a> {
     }
 }
 
-/// The eigenvector of the smallest eigenvalue of a symmetric matrix, near `start`: by powers of the adjugate, which has
-/// the same eigenvectors and that eigenvalue largest.
+/// The eigenvector of the smallest eigenvalue of a symmetric matrix, with the sign of `start`: power iteration of the
+/// adjugate, which has the same eigenvectors and the largest eigenvalue for that one.
 fn smallest(scatter: &Matrix3<f32>, start: Bearing) -> Bearing {
     let [x, y, z] = [0, 1, 2].map(|column| scatter.column(column).into_owned());
     let adjugate = Matrix3::from_columns(&[y.cross(&z), z.cross(&x), x.cross(&y)]);
@@ -175,8 +176,9 @@ fn smallest(scatter: &Matrix3<f32>, start: Bearing) -> Bearing {
     v
 }
 
+/// The vector scaled to length 1; `None` if it is shorter than `least`, zero or not finite.
 fn unit(v: Bearing, least: f32) -> Option<Bearing> {
-    // Scaled first, so that squares neither vanish nor overflow.
+    // Scaling first keeps squares from underflow and overflow.
     let largest = v.x.abs().max(v.y.abs()).max(v.z.abs());
     if !(largest > least * 0.5 && largest > 0.0 && largest.is_finite()) {
         return None;
@@ -186,7 +188,7 @@ fn unit(v: Bearing, least: f32) -> Option<Bearing> {
     (length * largest >= least).then(|| scaled / length)
 }
 
-/// xorshift32 (Marsaglia 2003): small, and good enough to pick pairs.
+/// xorshift32 (G. Marsaglia, "Xorshift RNGs", 2003).
 struct Random(u32);
 
 impl Random {
@@ -197,7 +199,7 @@ impl Random {
         self.0
     }
 
-    /// An arc, long ones more often.
+    /// Draws an arc, with a probability that grows with its weight: rejection sampling, at most 6 draws.
     fn pick<'a>(&mut self, arcs: &'a [Arc]) -> Option<&'a Arc> {
         let mut arc = None;
         for _ in 0..6 {

@@ -13,8 +13,8 @@ fn rig() -> Rig {
     Rig::back_to_back(view, view).unwrap()
 }
 
-/// Arcs of upright lines around, of horizontal ones along two axes turned by `axis_deg`, and of nothing.
-fn room(up: Bearing, axis_deg: f32, jitter: f32) -> Vec<Arc> {
+/// A synthetic scene: arcs of vertical lines, of horizontal ones along two axes turned by `axis_deg`, and random ones.
+fn scene(up: Bearing, axis_deg: f32, jitter: f32) -> Vec<Arc> {
     let level = LevelFrame::new(&up).unwrap();
     let rig = rig();
     let mut state = 7_u32;
@@ -60,7 +60,7 @@ proptest! {
         let mount = if upside_down { Bearing::new(0.0, 1.0, 0.0) } else { Bearing::new(0.0, -1.0, 0.0) };
         let lean = Bearing::new(way.cos(), 0.0, way.sin()) * tilt.to_radians().sin();
         let up = mount * tilt.to_radians().cos() + lean;
-        let arcs = room(up, axis, 0.6);
+        let arcs = scene(up, axis, 0.6);
         let found = vertical(&arcs, UpHint::Up(mount), &Parameters::default()).unwrap();
         prop_assert!(between(&found.up, &up) < 0.3, "{:?} {:?}", found, up);
         prop_assert!(found.inliers.iter().sum::<u16>() >= 30);
@@ -74,8 +74,8 @@ proptest! {
 fn roll_and_pitch_follow_their_convention() {
     let with =
         |up: Bearing| Vertical { up, inliers: [0; 2], support: 0.0, runner_up: 0.0, residual_deg: 0.0 };
-    let upright = with(Bearing::new(0.0, -1.0, 0.0));
-    assert_eq!((upright.roll_deg(), upright.pitch_deg()), (0.0, 0.0));
+    let level = with(Bearing::new(0.0, -1.0, 0.0));
+    assert_eq!((level.roll_deg(), level.pitch_deg()), (0.0, 0.0));
     let turned = with(Bearing::new(1.0, 0.0, 0.0));
     assert!((turned.roll_deg() - 90.0).abs() < 1e-3);
     let raised = with(Bearing::new(0.0, -0.8, 0.6));
@@ -83,17 +83,17 @@ fn roll_and_pitch_follow_their_convention() {
 }
 
 #[test]
-fn too_little_evidence_is_no_answer() {
+fn too_few_arcs_give_none() {
     let hint = UpHint::Up(Bearing::new(0.0, -1.0, 0.0));
     assert_eq!(vertical(&[], hint, &Parameters::default()), None);
-    let arcs: Vec<_> = room(Bearing::new(0.0, -1.0, 0.0), 0.0, 0.0).into_iter().take(12).collect();
+    let arcs: Vec<_> = scene(Bearing::new(0.0, -1.0, 0.0), 0.0, 0.0).into_iter().take(12).collect();
     assert_eq!(vertical(&arcs, hint, &Parameters::default()), None);
     assert_eq!(building_axes(&[], &LevelFrame::new(&Bearing::new(0.0, -1.0, 0.0)).unwrap()), None);
 }
 
 #[test]
 fn the_same_seed_gives_the_same_bits() {
-    let arcs = room(Bearing::new(0.1, -0.9, 0.3), 20.0, 1.0);
+    let arcs = scene(Bearing::new(0.1, -0.9, 0.3), 20.0, 1.0);
     let find = |seed| {
         vertical(
             &arcs,
@@ -102,5 +102,5 @@ fn the_same_seed_gives_the_same_bits() {
         )
     };
     assert_eq!(find(3), find(3));
-    assert!(find(3).unwrap().up.y > 0.0, "an axis gives its own sign");
+    assert!(find(3).unwrap().up.y > 0.0, "the answer has the sign of the axis");
 }

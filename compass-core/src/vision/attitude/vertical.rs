@@ -1,26 +1,26 @@
-//! The up vector that was found.
+//! The up vector, with its inliers and residual.
 
 use super::arc::degrees;
 use crate::vision::camera::{Bearing, PerCamera};
 
-/// The up vector, with what speaks for it.
+/// The up vector, with its support, inliers and residual.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Vertical {
     /// Unit vector in camera 0.
     pub up: Bearing,
-    /// Segments of each camera that point to it.
+    /// Number of inlier segments of each camera.
     pub inliers: PerCamera<u16>,
-    /// Their weight, degrees of arc.
+    /// Sum of the inliers' weights, degrees of arc.
     pub support: f32,
-    /// The same of the next best direction: the larger it is beside `support`, the less sure which is the vertical.
+    /// Support of the best direction at least 6 degrees away; a ratio to `support` near 1 means an ambiguous vertical.
     pub runner_up: f32,
     /// Weighted root mean square of the inliers' residuals, degrees.
     pub residual_deg: f32,
 }
 
 impl Vertical {
-    /// Rotation of camera 0 about its optical axis, degrees in -180 to 180: 0 if the image's top is up, 90 if its
-    /// right side is, 180 for a camera mounted upside down.
+    /// Rotation of camera 0 about its optical axis, degrees in -180 to 180: 0 if the top of the image is up, 90 if its
+    /// right side is up, 180 for a camera mounted upside down.
     #[must_use]
     pub fn roll_deg(&self) -> f32 {
         degrees(libm::atan2f(self.up.x, -self.up.y))

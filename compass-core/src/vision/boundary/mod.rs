@@ -1,23 +1,25 @@
-//! How far the walls are: where they meet the floor and the ceiling, in every direction.
+//! Ranges of walls, from the boundaries between wall and floor and between wall and ceiling.
 //!
-//! frames -> edges on a raster of azimuth and log range, floor and ceiling -> support by neighbouring azimuths:
-//! [`BoundaryEvidence`] -> [`RangeLikelihoods`]: per azimuth, the likelihood of the wall standing at each of a ladder of ranges.
+//! frames -> edges on a raster of azimuth and log range, one for floor and one for ceiling -> support by neighbouring
+//! azimuths: [`BoundaryEvidence`] -> [`RangeLikelihoods`]: per azimuth, the log-likelihood ratio of a wall at each range
+//! rung.
 //!
-//! Ranges are counted in camera heights ([`RangeLikelihoods::row`] brings the height in), and the height of the ceiling as a
-//! multiple of it: those at which most directions see both boundaries at one range. Furniture and people
-//! hide the floor more often than the ceiling, floor joints are no walls, and walls that the plan lacks are seen too:
-//! therefore nothing is decided here, and no range is ever impossible.
+//! Ranges are in units of the camera height, which [`RangeLikelihoods::row`] applies, and the height of the ceiling above
+//! the camera is a multiple of it: the vote of all directions gives the multiples at which both boundaries agree on the
+//! range. Furniture and people hide the floor more often than the ceiling, floor joints resemble boundaries, and walls that
+//! the plan lacks are seen too: therefore this stage makes no decision, and an outlier rate keeps every range possible.
 //!
-//! The weights are those of a conditional logit over the rungs of a direction, fitted to simulated frames of two
-//! floors (`docs/design.md` says how).
+//! The weights are those of a conditional logit over the rungs of a direction, fitted to simulated frames of two floors
+//! (`docs/design.md`).
 
 mod evidence;
 mod polar;
+mod ranges;
 mod support;
-mod survey;
+mod tuning;
 
-pub use evidence::{Range, RangeLikelihoods};
-pub use survey::{BoundaryEvidence, MAX_CEILINGS};
+pub use evidence::{BoundaryEvidence, MAX_CEILINGS};
+pub use ranges::{RangeEstimate, RangeLikelihoods};
 
 #[cfg(doc)]
 use crate::base::ladder::NOMINAL_HEIGHT_M;
@@ -29,27 +31,27 @@ use crate::vision::level_frame::LevelFrame;
 use crate::vision::projector::CameraView;
 use crate::vision::sample::ExclusionMask;
 
-/// Rungs of the ladder in camera heights.
+/// Rungs of the raster: log range in units of the camera height.
 pub const RUNGS: usize = 90;
-/// Floor and ceiling.
+/// Number of surfaces: floor, ceiling.
 const SURFACES: usize = 2;
-/// Log of the nearer end of rung 0, in camera heights: the middle of rung [`LEAD`] is rung 0 of the range ladder for
-/// [`NOMINAL_HEIGHT_M`].
+/// Natural logarithm of the near end of rung 0 in units of the camera height: for [`NOMINAL_HEIGHT_M`] the middle of rung
+/// [`LEAD`] is rung 0 of the range ladder.
 const DEEPEST: f32 = NEAREST_LOG - (LEAD as f32 + 0.5) * RUNG;
-/// Rungs below rung 0 of the range ladder at the nominal height.
+/// Rungs below rung 0 of the range ladder, for the nominal height.
 const LEAD: usize = 9;
 /// Bytes of [`Buffers::edges`] and of [`Buffers::support`].
 pub const CELLS: usize = SURFACES * RUNGS * BINS;
 
-/// Share of the edges that are within [`EDGE_LEVELS`] of those that exact projection gives, in millionths.
+/// Share, in millionths, of the edges within [`EDGE_LEVELS`] of those of exact projection.
 pub const EDGES_PPM: u32 = 900_000;
-/// Gray levels by which such edges may differ.
+/// Bound of the difference of such edges, gray levels.
 pub const EDGE_LEVELS: u8 = 2;
-/// Bound of the differences to real-valued evidence of the same edges, and to real-valued likelihoods of the same
-/// evidence, nats.
+/// Bound, in nats, of the difference between evidence and `f64` evidence of the same edges, and between log-likelihood
+/// ratios and `f64` ones of the same evidence.
 pub const EVIDENCE_ERROR: f32 = 0.25;
 
-/// Memory lent to a [`BoundaryFinder`]; what it holds before does not matter.
+/// Memory lent to a [`BoundaryFinder`]; its initial contents are ignored.
 #[derive(Debug)]
 pub struct Buffers<'a> {
     /// [`CELLS`] bytes.
@@ -58,7 +60,7 @@ pub struct Buffers<'a> {
     pub support: &'a mut [u8],
 }
 
-/// Measures ranges in the frames of a rig, one camera after the other.
+/// Finds the boundaries of floor and ceiling in the frames of a rig, added one camera at a time.
 #[derive(Debug)]
 pub struct BoundaryFinder<'a, 'r> {
     buffers: Buffers<'a>,
@@ -67,7 +69,7 @@ pub struct BoundaryFinder<'a, 'r> {
 }
 
 impl<'a, 'r> BoundaryFinder<'a, 'r> {
-    /// Begins a pair of frames; `rig` has the cameras that will be given, and no others. `None` if a buffer is too
+    /// Starts a pair of frames. `rig` has the cameras whose frames will be added, and no others. `None` if a buffer is too
     /// short.
     #[must_use]
     pub fn new(mut buffers: Buffers<'a>, rig: &'r Rig, level: LevelFrame) -> Option<Self> {
@@ -77,19 +79,19 @@ impl<'a, 'r> BoundaryFinder<'a, 'r> {
         Some(Self { buffers, rig, level })
     }
 
-    /// Adds what one camera sees: its smoothed frame.
+    /// Adds the smoothed frame of one camera. Ignores a camera that the rig lacks.
     ///
     /// # Cost
-    /// Per surface two looks a bin of 91 samples, each a mean of at most 4.
-    pub fn add(&mut self, camera: usize, image: &GrayImage<'_>, red: ExclusionMask<'_>) {
-        let seen = CameraView { rig: self.rig, camera, level: self.level, image, excluded: red };
+    /// Per surface and bin two azimuth samples of 91 rung ends, each the mean of at most 4 pixel samples.
+    pub fn add(&mut self, camera: usize, image: &GrayImage<'_>, excluded: ExclusionMask<'_>) {
+        let seen = CameraView { rig: self.rig, camera, level: self.level, image, excluded };
         polar::draw(self.buffers.edges, &seen);
     }
 
-    /// Turns what was seen into evidence, in the lent [`Buffers::support`].
+    /// Computes the evidence from the edges of all frames added, in the lent [`Buffers::support`].
     ///
     /// # Cost
-    /// Passes over the [`CELLS`], seven for the support of a cell by its neighbours.
+    /// A fixed number of passes over the [`CELLS`], seven of them for the support by neighbours.
     #[must_use]
     pub fn finish(self) -> BoundaryEvidence<'a> {
         let Buffers { edges, support } = self.buffers;

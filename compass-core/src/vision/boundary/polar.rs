@@ -1,46 +1,48 @@
-//! Edges across the floor and the ceiling, on a raster of azimuth and log range.
+//! Edges along the range axis of floor and ceiling, on a raster of azimuth and log range.
 //!
-//! A point on the floor at `e^u` camera heights lies `atan(e^-u)` below the horizon. Rows that are equally far apart in
-//! `u` stand for equal steps of log range whatever the height of the camera: another height is a shift by rows. The
-//! ceiling is the same upside down, with its own height above the camera.
+//! A point on the floor at a range of `e^u` camera heights lies `atan(e^-u)` below the horizon. Rows at equal distances in
+//! `u` are equal steps of log range for every camera height: a different height shifts the rows. The ceiling is mirrored at
+//! the horizon, with its own height above the camera.
 
 use super::{DEEPEST, RUNGS, SURFACES};
 use crate::base::ladder::RUNG;
-use crate::base::num::BINS;
+use crate::base::num::{BINS, count_as_i32, index_of};
 use crate::base::raster::GrayImage;
 use crate::vision::panorama::Resolution;
 use crate::vision::projector::{CameraView, Node, Projector};
 use crate::vision::sample::{ExclusionMask, SUBPIXEL, sample_bilinear};
 
-/// The projection is computed every so many degrees of azimuth, and interpolated between.
+/// Azimuth stride of the projection grid, degrees; positions between its nodes are interpolated.
 const GRID_DEG: usize = 4;
-/// ... and every so many rungs.
+/// Range stride of the projection grid, rungs.
 const GRID_RUNGS: usize = 2;
+/// Nodes of the grid at one azimuth.
 const NODES: usize = RUNGS.div_ceil(GRID_RUNGS) + 1;
-/// Places along a patch, vertically.
+/// Units of position between nodes along the range axis.
 const PATCH: i32 = 32;
-/// A sample is the mean over half a rung, in places of a patch.
-const BOX: i32 = PATCH / GRID_RUNGS as i32 / 2;
-/// Most samples in that mean.
+/// Extent of the box filter of a sample, half a rung, in 1/[`PATCH`] of a patch.
+const BOX: i32 = PATCH / count_as_i32(GRID_RUNGS) / 2;
+/// Largest number of taps of the box filter.
 const MOST_TAPS: i32 = 4;
-/// Pixels between the samples of a mean, about.
+/// Approximate distance of the taps, pixels.
 const TAP_PX: i32 = 2;
-/// Looks are counted in so many parts of [`GRID_DEG`]: quarters of a degree.
+/// Units of azimuth per [`GRID_DEG`]: quarters of a degree.
 const ACROSS: i32 = 16;
-/// Two looks per bin, a quarter of a degree to either side of its middle, and which bin of the patch each belongs to.
-const LOOKS: [(i32, usize); 8] = [(1, 0), (3, 1), (5, 1), (7, 2), (9, 2), (11, 3), (13, 3), (15, 4)];
-/// One look per bin, where an image has no more than two or three pixels in it.
-const COARSE_LOOKS: [(i32, usize); 4] = [(0, 0), (4, 1), (8, 2), (12, 3)];
-/// Largest edge that a byte holds beside "unknown".
+/// Azimuth samples of a patch and their bins: two per bin, a quarter of a degree to either side of its middle.
+const AZIMUTHS: [(i32, usize); 8] = [(1, 0), (3, 1), (5, 1), (7, 2), (9, 2), (11, 3), (13, 3), (15, 4)];
+/// Azimuth samples for images below 3 pixels per degree: one per bin.
+const COARSE_AZIMUTHS: [(i32, usize); 4] = [(0, 0), (4, 1), (8, 2), (12, 3)];
+/// Largest edge that a byte can store beside 0, which is unknown.
 const MOST_EDGE: u8 = 254;
 
-/// Adds what one camera sees to `edges`: per surface (floor, ceiling), rung and bin, 0 where nothing is known, else 1
-/// + the difference between the gray levels at the rung's nearer and farther end.
+/// Adds one camera's image to `edges`, by surface (floor, ceiling), rung and bin: 0 where unknown, else 1 + the absolute
+/// difference of the gray levels at the near and the far end of the rung.
 pub(super) fn draw(edges: &mut [u8], seen: &CameraView<'_>) {
     let (Some(projector), Some(view)) = (Projector::new(seen), seen.rig.view(seen.camera)) else {
         return;
     };
-    let looks: &[_] = if Resolution::of(view) == Resolution::COARSE { &COARSE_LOOKS } else { &LOOKS };
+    let azimuths: &[_] =
+        if Resolution::of(view) == Resolution::COARSE { &COARSE_AZIMUTHS } else { &AZIMUTHS };
     for (surface, edges) in edges.chunks_exact_mut(RUNGS * BINS).take(SURFACES).enumerate() {
         let elevations: [_; NODES] = core::array::from_fn(|node| {
             let (sin, cos) = elevation(node * GRID_RUNGS);
@@ -54,7 +56,7 @@ pub(super) fn draw(edges: &mut [u8], seen: &CameraView<'_>) {
         for column in 0..BINS / GRID_DEG {
             let left = nodes(column + 1);
             if right.iter().zip(&left).any(|(r, l)| r.lead > 0 || l.lead > 0) {
-                for &(across, bin) in looks {
+                for &(across, bin) in azimuths {
                     let mut samples = [0; RUNGS + 1];
                     sample(&mut samples, (&right, &left), across, seen.image, seen.excluded);
                     store(edges, (column * GRID_DEG + bin) % BINS, &samples);
@@ -65,21 +67,22 @@ pub(super) fn draw(edges: &mut [u8], seen: &CameraView<'_>) {
     }
 }
 
-/// Sine and cosine of the elevation of the nearer end of a rung.
+/// Sine and cosine of the elevation of the near end of a rung, upwards.
 fn elevation(rung: usize) -> (f32, f32) {
     let cot = libm::expf(DEEPEST + rung as f32 * RUNG);
     let length = libm::sqrtf(1.0 + cot * cot);
     (1.0 / length, cot / length)
 }
 
-/// The gray levels at the ends of the rungs, seen `across` sixteenths of the way between two columns of nodes; 0 where
-/// the camera does not see, or leaves it to the other.
+/// The gray levels at the ends of the rungs, at an azimuth `across` sixteenths of the way between two columns of nodes; 0
+/// where unknown, excluded, or nearer to the axis of the other camera.
+#[expect(clippy::indexing_slicing, reason = "coordinates 0, 1 and 2 of arrays of three")]
 fn sample(
     samples: &mut [u8; RUNGS + 1],
     (right, left): (&[Node; NODES], &[Node; NODES]),
     across: i32,
     image: &GrayImage<'_>,
-    red: ExclusionMask<'_>,
+    excluded: ExclusionMask<'_>,
 ) {
     let blend = |from: i32, to: i32| from * (ACROSS - across) + to * across;
     let mixed = |(r, l): (&Node, &Node)| {
@@ -93,12 +96,14 @@ fn sample(
         let Some(ends) = ends.next() else { return };
         if let (Some(a), Some(b)) = (here, far) {
             let taps = taps(a, b);
-            for (sample, place) in ends.iter_mut().zip((0..).step_by((PATCH / GRID_RUNGS as i32) as usize)) {
-                let at = |k: usize, place: i32| (a[k] * (PATCH - place) + b[k] * place) / (ACROSS * PATCH);
-                if at(2, place) > 0 {
+            for (sample, position) in
+                ends.iter_mut().zip((0..).step_by(index_of(PATCH / count_as_i32(GRID_RUNGS))))
+            {
+                let at = |k: usize, at: i32| (a[k] * (PATCH - at) + b[k] * at) / (ACROSS * PATCH);
+                if at(2, position) > 0 {
                     *sample = mean(taps, |tap| {
-                        let place = place + (2 * tap + 1 - taps) * BOX / (2 * taps);
-                        sample_bilinear(image, red, at(0, place), at(1, place))
+                        let position = position + (2 * tap + 1 - taps) * BOX / (2 * taps);
+                        sample_bilinear(image, excluded, at(0, position), at(1, position))
                     });
                 }
             }
@@ -107,17 +112,22 @@ fn sample(
     }
 }
 
-/// How many samples the mean over half a rung takes, from the size of a patch in the image.
+/// Number of taps of the box filter, by the extent of a patch in the image.
 fn taps(a: [i32; 3], b: [i32; 3]) -> i32 {
     let patch = (a[0].abs_diff(b[0]) + a[1].abs_diff(b[1])) >> (SUBPIXEL + ACROSS.trailing_zeros());
-    (patch as i32 / (2 * GRID_RUNGS as i32 * TAP_PX)).clamp(1, MOST_TAPS)
+    (patch.cast_signed() / (2 * count_as_i32(GRID_RUNGS) * TAP_PX)).clamp(1, MOST_TAPS)
 }
 
-/// The mean of so many gray levels, 0 if one of them is unknown.
-fn mean(taps: i32, look: impl Fn(i32) -> u8) -> u8 {
+/// The mean of `taps` gray levels, 0 if one of them is unknown.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "the mean of gray levels is a gray level"
+)]
+fn mean(taps: i32, gray: impl Fn(i32) -> u8) -> u8 {
     let mut sum = 0;
     for tap in 0..taps {
-        let level = i32::from(look(tap));
+        let level = i32::from(gray(tap));
         if level == 0 {
             return 0;
         }
@@ -126,7 +136,7 @@ fn mean(taps: i32, look: impl Fn(i32) -> u8) -> u8 {
     (sum / taps.max(1)) as u8
 }
 
-/// Adds the edges of one look to those of its bin; of two looks the mean counts.
+/// Stores the edges of one azimuth sample in its bin, or their mean with those of the bin's other sample.
 fn store(edges: &mut [u8], bin: usize, samples: &[u8; RUNGS + 1]) {
     for (row, ends) in edges.chunks_exact_mut(BINS).zip(samples.windows(2)) {
         let (&[near, far], Some(cell)) = (ends, row.get_mut(bin)) else { return };

@@ -1,26 +1,18 @@
-//! Edges made relative to the frame, and supported by their neighbours.
+//! Normalization of edges within the frame, and their support by neighbours.
 //!
-//! A boundary goes on: along a wall its rung changes by no more than a step or so per degree. An edge counts by itself,
-//! and by the strongest edges within reach in the three bins on either side.
+//! Boundaries are continuous: along a wall the rung changes by about one per degree at most. The evidence of a cell is a
+//! weighted sum of its edge and of the strongest edges within reach in the three bins on either side.
 
 use super::RUNGS;
+use super::tuning::{LEAST_SCALE, PERCENT, REACH, WEIGHTS};
 #[cfg(doc)]
 use crate::base::num::SupportNats;
-use crate::base::num::{BINS, EdgeNats};
+use crate::base::num::{BINS, EdgeNats, saturate_to_u32, truncate_to_u8};
 
-/// Edges are measured against the one that so many percent of the frame do not exceed...
-const PERCENT: u32 = 90;
-/// ... and that is at least this strong: below is noise.
-const LEAST_SCALE: u32 = 3;
 /// Bits of a normalized edge of 1 nat.
 const EDGE_NAT: f32 = EdgeNats::ONE.to_bits() as f32;
-/// Bins on either side that support an edge; the reach is as many rungs as bins.
-const REACH: usize = 3;
-/// Weights of an edge and of the sum of its supports, per surface, in 1/256: bits of [`SupportNats`] for
-/// bits of [`EdgeNats`].
-const WEIGHTS: [[u32; 2]; 2] = [[23, 23], [45, 74]];
 
-/// Whether enough of a bin is known, of the floor or of the ceiling.
+/// Whether a third of the rungs of a bin is known, of the floor or of the ceiling.
 pub(super) fn known(edges: &[u8]) -> [bool; BINS] {
     let mut counts = [[0_u8; 2]; BINS];
     for (surface, edges) in edges.chunks_exact(RUNGS * BINS).enumerate() {
@@ -35,7 +27,8 @@ pub(super) fn known(edges: &[u8]) -> [bool; BINS] {
     counts.map(|of| of.iter().any(|count| 3 * usize::from(*count) >= RUNGS))
 }
 
-/// Replaces edges by `ln(1 + 2 edge / scale)` in the bits of [`EdgeNats`]; what is unknown becomes 0.
+/// Replaces edges by `ln(1 + 2 edge / scale)` in the bits of [`EdgeNats`]; unknown cells become 0.
+#[expect(clippy::indexing_slicing, reason = "bytes index 256 entries")]
 pub(super) fn normalize(edges: &mut [u8]) {
     let mut counts = [0_u32; 256];
     edges.iter().for_each(|edge| counts[usize::from(*edge)] += 1);
@@ -46,21 +39,21 @@ pub(super) fn normalize(edges: &mut [u8]) {
         below += count;
         below > wanted
     });
-    let scale = (reached.unwrap_or(0) as u32).saturating_sub(1).max(LEAST_SCALE) as f32;
+    let scale = saturate_to_u32(reached.unwrap_or(0)).saturating_sub(1).max(LEAST_SCALE) as f32;
     let logs: [u8; 256] = core::array::from_fn(|edge| {
         let strength = edge.saturating_sub(1) as f32;
-        (libm::log1pf(2.0 * strength / scale) * EDGE_NAT) as u8
+        truncate_to_u8(libm::log1pf(2.0 * strength / scale) * EDGE_NAT)
     });
     edges.iter_mut().for_each(|edge| *edge = logs[usize::from(*edge)]);
 }
 
-/// Evidence of each cell in the bits of [`SupportNats`], saturated, from normalized edges.
+/// Computes the evidence of each cell, saturated, in the bits of [`SupportNats`], from normalized edges.
 pub(super) fn gather(edges: &[u8], support: &mut [u8]) {
     let surfaces = edges.chunks_exact(RUNGS * BINS).zip(support.chunks_exact_mut(RUNGS * BINS));
     for ((edges, support), [own, others]) in surfaces.zip(WEIGHTS) {
         for (rung, out) in support.chunks_exact_mut(BINS).enumerate() {
             let mut sums = [0_u16; BINS];
-            let mut strongest = Ring { cells: [0; BINS + 2 * REACH] };
+            let mut strongest = PaddedBins { cells: [0; BINS + 2 * REACH] };
             for reach in 0..=REACH {
                 for row in [rung.checked_sub(reach), rung.checked_add(reach)].into_iter().flatten() {
                     strongest.raise(edges.get(row * BINS..(row + 1) * BINS).unwrap_or(&[]));
@@ -77,19 +70,19 @@ pub(super) fn gather(edges: &[u8], support: &mut [u8]) {
     }
 }
 
-/// The values of all bins, with the last ones repeated before the first and the first after the last.
-struct Ring {
+/// One value per bin, padded on both sides by the values of the bins around the circle.
+struct PaddedBins {
     cells: [u8; BINS + 2 * REACH],
 }
 
-impl Ring {
-    /// Raises each value to that of a row where that is larger.
+impl PaddedBins {
+    /// Takes the maximum of each value and that of a row.
     fn raise(&mut self, row: &[u8]) {
         let bins = self.cells.iter_mut().skip(REACH);
         bins.zip(row).for_each(|(most, edge)| *most = (*most).max(*edge));
     }
 
-    /// Adds the values `distance` bins to either side, at most [`REACH`].
+    /// Adds to `sums` the values `distance` bins to either side; `distance` is at most [`REACH`].
     fn add_neighbours(&mut self, sums: &mut [u16; BINS], distance: usize) {
         self.cells.copy_within(REACH..2 * REACH, BINS + REACH);
         self.cells.copy_within(BINS..BINS + REACH, 0);

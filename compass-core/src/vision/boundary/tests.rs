@@ -8,8 +8,8 @@ use std::{boxed::Box, vec};
 
 const SIZE: u16 = 300;
 
-/// A rectangular room around the cameras, metres: walls to the front, left, back and right; floor below and ceiling
-/// above.
+/// A rectangular room around the cameras: distances, in metres, of the walls at the front, left, back and right, of the
+/// floor below and of the ceiling above.
 struct Room {
     walls: [f32; 4],
     floor: f32,
@@ -19,7 +19,7 @@ struct Room {
 const ROOM: Room = Room { walls: [4.0, 2.5, 6.0, 3.2], floor: 1.6, ceiling: 1.1 };
 
 impl Room {
-    /// The gray level that a level bearing (forward, left, up) meets.
+    /// The gray level at a bearing in the level frame (forward, left, up).
     fn gray(&self, b: &Vector3<f32>) -> u8 {
         let wall = self.range(libm::atan2f(b.y, b.x)) / libm::hypotf(b.x, b.y).max(1e-6);
         if b.z * wall < -self.floor {
@@ -48,7 +48,7 @@ fn rig() -> Rig {
     Rig::back_to_back(view, view).unwrap()
 }
 
-/// What both cameras see, for an up vector in camera 0.
+/// The frames of both cameras, for an up vector in camera 0.
 fn frames(room: &Room, rig: &Rig, up: &Vector3<f32>) -> [Vec<u8>; 2] {
     let level = LevelFrame::new(up).unwrap();
     [0, 1].map(|camera| {
@@ -65,28 +65,28 @@ fn frames(room: &Room, rig: &Rig, up: &Vector3<f32>) -> [Vec<u8>; 2] {
     })
 }
 
-fn survey(
+fn range_likelihoods(
     room: &Room,
     up: &Vector3<f32>,
     cameras: &[usize],
-    garbage: u8,
+    initial: u8,
     height: Option<f32>,
 ) -> Box<RangeLikelihoods> {
     let rig = rig();
     let frames = frames(room, &rig, up);
-    let (mut edges, mut support) = (vec![garbage; CELLS], vec![garbage; CELLS]);
+    let (mut edges, mut support) = (vec![initial; CELLS], vec![initial; CELLS]);
     let buffers = Buffers { edges: &mut edges, support: &mut support };
-    let mut surveyor = BoundaryFinder::new(buffers, &rig, LevelFrame::new(up).unwrap()).unwrap();
+    let mut finder = BoundaryFinder::new(buffers, &rig, LevelFrame::new(up).unwrap()).unwrap();
     for &camera in cameras {
         let image = GrayImage::new(&frames[camera], SIZE.into(), SIZE.into()).unwrap();
-        surveyor.add(camera, &image, ExclusionMask::Unknown);
+        finder.add(camera, &image, ExclusionMask::Unknown);
     }
     let mut ranges = Box::new(RangeLikelihoods::EMPTY);
-    surveyor.finish().likeliest(height.map(height_rungs), &mut ranges);
+    finder.finish().likeliest(height.map(height_rungs), &mut ranges);
     ranges
 }
 
-/// Relative errors of the ranges of all bins that have one.
+/// Relative errors of the ranges of all known bins, ascending.
 fn errors(room: &Room, ranges: &RangeLikelihoods) -> Vec<f32> {
     let height = height_rungs(room.floor);
     let of_bin = |bin: usize| {
@@ -98,18 +98,18 @@ fn errors(room: &Room, ranges: &RangeLikelihoods) -> Vec<f32> {
     errors
 }
 
-/// The cameras hang upside down and tilted, as hands hold them.
+/// The up vector of a rig that is mounted upside down and tilted.
 fn tilted() -> Vector3<f32> {
     Vector3::new(0.15, 0.96, -0.2)
 }
 
 #[test]
-fn ranges_of_a_room_are_found_from_any_tilt() {
+fn ranges_of_a_room_are_found_level_and_tilted() {
     for up in [Vector3::new(0.0, -1.0, 0.0), tilted()] {
-        let ranges = survey(&ROOM, &up, &[0, 1], 0, None);
+        let ranges = range_likelihoods(&ROOM, &up, &[0, 1], 0, None);
         let errors = errors(&ROOM, &ranges);
         assert!(errors.len() > 340, "{} bins", errors.len());
-        // A rung is 6.3 %: corners are rounded off by the support of the walls beside them.
+        // A rung is 6.3 %; the support by neighbouring walls rounds corners off.
         assert!(errors[errors.len() / 2] < 0.02, "median {}", errors[errors.len() / 2]);
         assert!(errors[errors.len() * 9 / 10] < 0.06, "{:?}", &errors[errors.len() * 9 / 10..]);
         let ceiling = ranges.ceiling_ratio() * ROOM.floor;
@@ -118,9 +118,9 @@ fn ranges_of_a_room_are_found_from_any_tilt() {
 }
 
 #[test]
-fn a_known_height_bounds_the_room() {
+fn a_known_camera_height_bounds_the_ceiling() {
     // 1.6 m and 1.1 m.
-    let ranges = survey(&ROOM, &tilted(), &[0, 1], 0, Some(ROOM.floor));
+    let ranges = range_likelihoods(&ROOM, &tilted(), &[0, 1], 0, Some(ROOM.floor));
     let room = ROOM.floor * (1.0 + ranges.ceiling_ratio());
     assert!((2.4..3.0).contains(&room), "{room}");
 }
@@ -128,17 +128,20 @@ fn a_known_height_bounds_the_room() {
 #[test]
 fn one_camera_leaves_the_other_half_unknown() {
     let up = Vector3::new(0.0, -1.0, 0.0);
-    let ranges = survey(&ROOM, &up, &[0], 0, None);
+    let ranges = range_likelihoods(&ROOM, &up, &[0], 0, None);
     assert!(ranges.knows(0) && !ranges.knows(180));
     assert!(ranges.range(180, 0).is_none());
     let nothing = (0..RUNGS as i8).all(|rung| ranges.row(rung as usize, 0)[180] == 0);
-    assert!(nothing, "what is unknown must not count");
+    assert!(nothing, "unknown bins have no evidence");
 }
 
 #[test]
-fn the_lent_memory_does_not_matter() {
+fn initial_contents_of_buffers_are_ignored() {
     let up = tilted();
-    assert_eq!(survey(&ROOM, &up, &[0, 1], 0, None), survey(&ROOM, &up, &[0, 1], 0xa5, None));
+    assert_eq!(
+        range_likelihoods(&ROOM, &up, &[0, 1], 0, None),
+        range_likelihoods(&ROOM, &up, &[0, 1], 0xa5, None)
+    );
     let rig = rig();
     let (mut edges, mut support) = (vec![0; CELLS - 1], vec![0; CELLS]);
     let buffers = Buffers { edges: &mut edges, support: &mut support };
@@ -146,10 +149,10 @@ fn the_lent_memory_does_not_matter() {
 }
 
 #[test]
-fn blank_frames_prefer_nothing() {
+fn blank_frames_give_the_prior() {
     let room = Room { walls: [1e6; 4], floor: 1e9, ceiling: 1e9 };
-    let ranges = survey(&room, &tilted(), &[0, 1], 0, None);
-    // What is left is what is expected before looking: the same in all directions.
+    let ranges = range_likelihoods(&room, &tilted(), &[0, 1], 0, None);
+    // Only the prior remains, equal in all directions.
     for rung in 0..72 {
         let row = ranges.row(rung, 0);
         assert!(row.iter().all(|value| *value == row[0]), "rung {rung}");
@@ -157,20 +160,20 @@ fn blank_frames_prefer_nothing() {
 }
 
 #[test]
-fn heights_are_shifts() {
+fn camera_heights_shift_rows() {
     assert_eq!(height_rungs(NOMINAL_HEIGHT_M), 0);
     assert_eq!(height_rungs(NOMINAL_HEIGHT_M * libm::expf(3.0 * RUNG)), 3);
     let [least, most] = HEIGHTS_M.map(height_rungs);
     assert!((least..=most).all(|rungs| height_rungs(height_m(rungs)) == rungs));
     assert_eq!(height_rungs(0.0), height_rungs(HEIGHTS_M[0]));
     assert_eq!(height_rungs(f32::NAN), height_rungs(HEIGHTS_M[0]));
-    let ranges = survey(&ROOM, &tilted(), &[0, 1], 0, None);
+    let ranges = range_likelihoods(&ROOM, &tilted(), &[0, 1], 0, None);
     let [low, high] = [0, 5].map(|height| ranges.range(90, height).unwrap().metres);
     assert!((high / low - libm::expf(5.0 * RUNG)).abs() < 1e-3);
     assert_eq!(ranges.row(20, 0), ranges.row(25, 5));
 }
 
-/// Evidence of a floor at rung 30 all around, and of ceilings that lie by so many rungs higher.
+/// Evidence of a floor at rung 30 in all directions, and of ceilings at the given shifts with the given evidence.
 fn cells(ceilings: &[(usize, u8)]) -> Vec<u8> {
     let mut cells = vec![0; CELLS];
     let (floor, above) = cells.split_at_mut(RUNGS * BINS);
@@ -182,27 +185,27 @@ fn cells(ceilings: &[(usize, u8)]) -> Vec<u8> {
 }
 
 #[test]
-fn ceilings_come_by_evidence() {
+fn ceilings_are_ordered_by_evidence() {
     let cells = cells(&[(2, 30), (5, 50), (12, 40), (16, 10), (20, 20)]);
-    let survey = BoundaryEvidence::new(&cells, [true; BINS]).unwrap();
-    assert_eq!(survey.ceilings(None), [5, 12, 2, 20]);
-    // The room is 4.5 m at most: a ceiling at 1.25 camera heights of 2 m.
-    let low = survey.ceilings(Some(height_rungs(2.0)));
+    let evidence = BoundaryEvidence::new(&cells, [true; BINS]).unwrap();
+    assert_eq!(evidence.ceilings(None), [5, 12, 2, 20]);
+    // The ceiling is at most 4.5 m high: 1.25 camera heights of 2 m above the camera.
+    let low = evidence.ceilings(Some(height_rungs(2.0)));
     assert_eq!(low.first(), Some(&2), "{low:?}");
     let mut ranges = Box::new(RangeLikelihoods::EMPTY);
-    survey.ranges(12, &mut ranges);
+    evidence.ranges(12, &mut ranges);
     assert!((ranges.ceiling_ratio() - libm::expf(12.0 * RUNG)).abs() < 1e-5);
-    survey.likeliest(None, &mut ranges);
+    evidence.likeliest(None, &mut ranges);
     assert!((ranges.ceiling_ratio() - libm::expf(5.0 * RUNG)).abs() < 1e-5);
     assert!(BoundaryEvidence::new(&cells[1..], [true; BINS]).is_none());
     assert_eq!(
-        BoundaryEvidence::new(survey.cells(), *survey.known()).unwrap().ceilings(None),
-        survey.ceilings(None)
+        BoundaryEvidence::new(evidence.cells(), *evidence.known()).unwrap().ceilings(None),
+        evidence.ceilings(None)
     );
 }
 
 #[test]
-fn nothing_seen_has_a_ceiling_too() {
+fn evidence_of_nothing_has_one_ceiling() {
     let cells = vec![0; CELLS];
     assert_eq!(BoundaryEvidence::new(&cells, [false; BINS]).unwrap().ceilings(None).len(), 1);
 }

@@ -1,4 +1,4 @@
-//! The paper's lens: the distance from the principal point is the angle times the focal length.
+//! The equidistant fisheye of the paper: the radius is the focal length times the angle from the axis.
 
 use super::{Bearing, CameraError, Intrinsics, Pixel, Polar, WIDEST_ANGLE};
 
@@ -10,7 +10,7 @@ pub struct Equidistant {
 }
 
 impl Equidistant {
-    /// The lens of these focal lengths, in pixels per radian.
+    /// A lens of these focal lengths, in pixels per radian.
     ///
     /// # Errors
     /// [`CameraError::NotFinite`], [`CameraError::Focal`].

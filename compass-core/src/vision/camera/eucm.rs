@@ -1,12 +1,12 @@
 //! The enhanced unified camera model.
 //!
 //! B. Khomutenko, G. Garcia and P. Martinet, "An Enhanced Unified Camera Model", RA-L 2016. With
-//! d = sqrt(beta (x^2 + y^2) + z^2), a bearing falls on (x, y) / (alpha d + (1 - alpha) z). No
-//! trigonometry either way.
+//! d = sqrt(beta (x^2 + y^2) + z^2), a bearing projects to (x, y) / (alpha d + (1 - alpha) z). Neither direction needs
+//! trigonometry.
 
 use super::{
     Bearing, CameraError, Intrinsics, NARROWEST_ANGLE, Pixel, RIM, WIDEST_ANGLE, WIDEST_RADIUS, finite,
-    unlimited,
+    scaled_to_1,
 };
 
 /// Enhanced unified camera model; alpha 0 is the pinhole.
@@ -16,14 +16,14 @@ pub struct Eucm {
     pub(super) intrinsics: Intrinsics,
     alpha: f32,
     beta: f32,
-    /// A bearing is seen while z > -`behind` d.
+    /// A bearing is in the field while z > -`behind` d.
     behind: f32,
     max_radius: f32,
     pub(super) max_angle: f32,
 }
 
 impl Eucm {
-    /// The lens with `alpha` from 0 to 1 and `beta` above 0.
+    /// A lens with `alpha` from 0 to 1 and `beta` above 0.
     ///
     /// # Errors
     /// [`CameraError::NotFinite`], [`CameraError::Focal`], [`CameraError::Alpha`], [`CameraError::Beta`];
@@ -37,8 +37,8 @@ impl Eucm {
         if beta <= 0.0 {
             return Err(CameraError::Beta);
         }
-        // Up to one half the radius goes to infinity where the denominator vanishes; above, it comes
-        // to a maximum, and then shrinks: two bearings would share a pixel.
+        // For alpha up to 1/2 the radius goes to infinity where the denominator vanishes. Above, it has a maximum:
+        // beyond it two bearings would share a pixel.
         let (behind, max_radius) = if alpha > 0.5 {
             ((1.0 - alpha) / alpha, 1.0 / libm::sqrtf(beta * (2.0 * alpha - 1.0)))
         } else {
@@ -47,9 +47,9 @@ impl Eucm {
         let max_radius = max_radius.min(WIDEST_RADIUS);
         let mut lens = Self { intrinsics, alpha, beta, behind, max_radius, max_angle: 0.0 };
         lens.max_angle = libm::atan2f(max_radius, lens.depth(max_radius)).min(WIDEST_ANGLE);
-        // A large beta draws the whole field together into a point.
-        let wide = lens.max_angle >= NARROWEST_ANGLE && max_radius >= NARROWEST_ANGLE;
-        if wide { Ok(lens) } else { Err(CameraError::Field) }
+        // A large beta shrinks the image of the field to a point.
+        let wide_enough = lens.max_angle >= NARROWEST_ANGLE && max_radius >= NARROWEST_ANGLE;
+        if wide_enough { Ok(lens) } else { Err(CameraError::Field) }
     }
 
     /// Share of the sphere in the model, 0 to 1.
@@ -65,7 +65,7 @@ impl Eucm {
     }
 
     pub(super) fn project(&self, bearing: &Bearing) -> Option<Pixel> {
-        let b = unlimited(bearing)?;
+        let b = scaled_to_1(bearing)?;
         let rho2 = b.x * b.x + b.y * b.y;
         let d = libm::sqrtf(self.beta * rho2 + b.z * b.z);
         let denominator = self.alpha * d + (1.0 - self.alpha) * b.z;
@@ -85,11 +85,11 @@ impl Eucm {
     /// z of the bearing with x^2 + y^2 = radius^2, for a radius within the field.
     fn depth(&self, radius: f32) -> f32 {
         let r2 = self.beta * (radius * radius);
-        // On the rim rounding may take this below 0.
+        // On the rim rounding may make this negative.
         let over = 2.0 * self.alpha - 1.0;
         let root = self.alpha * libm::sqrtf((1.0 - over * r2).max(0.0));
-        // The paper's form is 0 / 0 on the rim of alpha 1; multiplied by root - (1 - alpha) it is 0 / 0
-        // for alpha 1/2 instead.
+        // The published form is 0 / 0 on the rim for alpha 1; expanded by root - (1 - alpha) it is 0 / 0 for
+        // alpha 1/2 instead.
         if self.alpha > 0.75 {
             (root - (1.0 - self.alpha)) / over
         } else {

@@ -1,20 +1,20 @@
-//! Kannala and Brandt's polynomial lens.
+//! The polynomial fisheye of Kannala and Brandt.
 //!
 //! J. Kannala and S. Brandt, "A Generic Camera Model and Calibration Method for Conventional,
 //! Wide-Angle, and Fish-Eye Lenses", PAMI 2006, in the form of `OpenCV`'s fisheye model and Kalibr's
-//! "equidistant" distortion: the linear coefficient is 1, and k1 belongs to the cube.
+//! "equidistant" distortion: the linear coefficient is 1, and k1 multiplies the cube.
 
 use super::{
     Bearing, CameraError, Intrinsics, NARROWEST_ANGLE, Pixel, Polar, WIDEST_ANGLE, WIDEST_RADIUS, finite,
 };
 
-/// Steps in which the end of the field is looked for.
+/// Steps of the scan for the end of the field.
 const FIELD_STEPS: u16 = 1024;
 
-/// Halvings that narrow one of those steps down to neighbouring `f32`.
+/// Bisections that narrow one of those steps down to neighbouring `f32`.
 const FIELD_HALVINGS: u8 = 24;
 
-/// Steps of the inverse at most; three to five are usual, the rim takes most.
+/// Largest number of steps of the inverse; 3 to 5 are usual, more near the rim.
 const INVERSE_STEPS: u8 = 40;
 
 /// Polynomial fisheye: radius = f (theta + k1 theta^3 + k2 theta^5 + k3 theta^7 + k4 theta^9).
@@ -28,7 +28,7 @@ pub struct KannalaBrandt {
 }
 
 impl KannalaBrandt {
-    /// The lens with coefficients k1 to k4, which multiply theta^3, theta^5, theta^7 and theta^9.
+    /// A lens with coefficients k1 to k4 of theta^3, theta^5, theta^7 and theta^9.
     ///
     /// # Errors
     /// [`CameraError::NotFinite`], [`CameraError::Focal`], [`CameraError::Field`].
@@ -38,7 +38,7 @@ impl KannalaBrandt {
             Self { intrinsics: intrinsics.checked()?, coefficients, max_angle: 0.0, max_radius: 0.0 };
         lens.max_angle = lens.field();
         lens.max_radius = lens.radius(lens.max_angle);
-        // Written so that NaN is refused as well.
+        // This comparison rejects NaN too.
         if lens.max_angle >= NARROWEST_ANGLE { Ok(lens) } else { Err(CameraError::Field) }
     }
 
@@ -66,14 +66,14 @@ impl KannalaBrandt {
         theta + theta * (t2 * (k1 + t2 * (k2 + t2 * (k3 + t2 * k4))))
     }
 
-    /// Focal lengths per radian at an angle.
+    /// Derivative of the radius by the angle: focal lengths per radian.
     fn slope(&self, theta: f32) -> f32 {
         let [k1, k2, k3, k4] = self.coefficients;
         let t2 = theta * theta;
         1.0 + t2 * (3.0 * k1 + t2 * (5.0 * k2 + t2 * (7.0 * k3 + t2 * (9.0 * k4))))
     }
 
-    /// The angle up to which the radius grows and stays within bounds.
+    /// The angle up to which the radius grows and stays below [`WIDEST_RADIUS`].
     fn field(&self) -> f32 {
         let good = |theta: f32| self.slope(theta) > 0.0 && self.radius(theta) <= WIDEST_RADIUS;
         let at = |step: u16| WIDEST_ANGLE * (f32::from(step) / f32::from(FIELD_STEPS));
@@ -92,8 +92,8 @@ impl KannalaBrandt {
         low
     }
 
-    /// The angle at a radius within the field: Newton's steps while each is less than half the last,
-    /// else halving of the bracket.
+    /// The angle at a radius within the field: Newton's method while each step is less than half the previous one,
+    /// else bisection of the bracket.
     fn angle(&self, radius: f32) -> f32 {
         let (mut low, mut high) = (0.0, self.max_angle);
         let mut theta = radius.min(high);
@@ -105,7 +105,7 @@ impl KannalaBrandt {
             } else {
                 low = theta;
             }
-            // Towards the rim the slope may vanish, and the step be infinite or not a number.
+            // Near the rim the slope may vanish, so that the step is infinite or NaN.
             let step = -excess / self.slope(theta);
             let newton = theta + step;
             let good = step.abs() < 0.5 * moved && newton >= low && newton <= high;

@@ -7,17 +7,17 @@
 //! | [`Equidistant`] | `theta` | the paper |
 //!
 //! Axes are `OpenCV`'s: x right, y down, z forward along the optical axis; the centre of the top left
-//! pixel is (0, 0). Angles may exceed 90 degrees: a bearing with negative z is as good as any other.
+//! pixel is (0, 0). Angles may exceed 90 degrees: a bearing may have negative z.
 //!
 //! # Field
-//! Each model holds up to an angle, [`Camera::max_angle`], which is the least of: where the radius
-//! stops growing with the angle; where it reaches [`WIDEST_RADIUS`]; and [`WIDEST_ANGLE`]. Beyond it
-//! [`Camera::project`] and [`Camera::unproject`] answer `None`. The field belongs to the formula: what
-//! the glass and the sensor really see is less, and is for a mask to say.
+//! Each model is valid up to an angle, [`Camera::max_angle`], the smallest of: the angle at which the radius
+//! stops growing; the angle at which it reaches [`WIDEST_RADIUS`]; and [`WIDEST_ANGLE`]. Beyond it
+//! [`Camera::project`] and [`Camera::unproject`] return `None`. This is the field of the formula; the field of the
+//! lens and the sensor is smaller, and a mask describes it.
 //!
 //! # Numbers
-//! `f32` through `libm` alone, without fused operations: the same bits on every target. Accuracy is stated by [`ROUND_TRIP_PX`],
-//! [`PROJECTION_ERROR_PX`] and [`BEARING_ERROR`].
+//! `f32` through `libm` alone, without fused operations: the same bits on every target. [`ROUND_TRIP_PX`],
+//! [`PROJECTION_ERROR_PX`] and [`BEARING_ERROR`] bound the errors.
 
 mod equidistant;
 mod eucm;
@@ -36,31 +36,30 @@ pub type Bearing = nalgebra::Vector3<f32>;
 
 /// Largest distance, in pixels, between a pixel in the field and the projection of its bearing.
 ///
-/// It holds, as the other bounds do, for focal lengths up to 2000 pixels and pixels up to 4096.
+/// This and the other bounds hold for focal lengths up to 2000 pixels and pixel coordinates up to 4096.
 pub const ROUND_TRIP_PX: f32 = 0.03;
 
-/// Largest distance, in pixels, of a projection to the exact one.
+/// Largest distance, in pixels, between a projection and the exact one.
 pub const PROJECTION_ERROR_PX: f32 = 0.02;
 
-/// Largest angle, in radians, of a pixel's bearing to the exact one, up to 98 % of the
+/// Largest angle, in radians, between a pixel's bearing and the exact one, up to 98 % of the
 /// [largest angle](Camera::max_angle).
 ///
-/// Closer to the rim the radius may hardly grow with the angle; no `f32` radius tells the angle there,
-/// and what remains true is the round trip.
+/// Closer to the rim the radius may hardly grow with the angle, so that an `f32` radius does not determine the
+/// angle; the bound of the round trip still holds.
 pub const BEARING_ERROR: f32 = 2e-5;
 
-/// No field reaches further than this angle from the axis, in radians (179.8 degrees): straight
-/// behind, the image of one bearing would be a whole circle.
+/// Upper bound of the field: angle from the axis in radians (179.8 degrees). At 180 degrees the image of one bearing
+/// is a whole circle.
 pub const WIDEST_ANGLE: f32 = core::f32::consts::PI - 0.004;
 
-/// No field reaches further than this many focal lengths from the principal point: a pinhole sees
-/// 76 degrees from its axis there.
+/// Upper bound of the field's image: radius in focal lengths. A pinhole reaches it 76 degrees from its axis.
 pub const WIDEST_RADIUS: f32 = 4.0;
 
-/// A field narrower than this, in radians (6 degrees), is a mistake in the coefficients.
+/// Lower bound of the field, in radians (6 degrees): coefficients that give less are rejected.
 pub const NARROWEST_ANGLE: f32 = 0.1;
 
-/// Share by which rounding may carry a point over the rim of the field; it is then taken as on the rim.
+/// Relative amount by which rounding may move a point beyond the rim of the field; it is then clamped to the rim.
 const RIM: f32 = 2e-6;
 
 /// A position in an image; the centre of the top left pixel is (0, 0).
@@ -88,25 +87,25 @@ pub struct Intrinsics {
 }
 
 impl Intrinsics {
-    /// The same when they can be used.
+    /// Returns the parameters if they are finite and the focal lengths positive.
     fn checked(self) -> Result<Self, CameraError> {
         finite(&[self.fx, self.fy, self.cx, self.cy])?;
         if self.fx > 0.0 && self.fy > 0.0 { Ok(self) } else { Err(CameraError::Focal) }
     }
 
-    /// From focal lengths to pixels; `None` when that overflows.
+    /// Converts a position in focal lengths to pixels; `None` if that overflows.
     fn pixel(&self, x: f32, y: f32) -> Option<Pixel> {
         let pixel = Pixel { x: self.fx * x + self.cx, y: self.fy * y + self.cy };
         (pixel.x.is_finite() && pixel.y.is_finite()).then_some(pixel)
     }
 
-    /// From pixels to a position in focal lengths, which may be infinite or not a number.
+    /// Converts pixels to a position in focal lengths, which may be infinite or NaN.
     fn plane(&self, pixel: Pixel) -> Plane {
         let (x, y) = ((pixel.x - self.cx) / self.fx, (pixel.y - self.cy) / self.fy);
         Plane { x, y, radius: libm::sqrtf(x * x + y * y) }
     }
 
-    /// Those of the image resized by `sx` and `sy`; not a number for scales that make no sense.
+    /// The intrinsics of the image resized by `sx` and `sy`; NaN for scales that are not positive and finite.
     fn scaled(&self, sx: f32, sy: f32) -> Self {
         let sane = |s: f32| if s > 0.0 && s.is_finite() { s } else { f32::NAN };
         let (sx, sy) = (sane(sx), sane(sy));
@@ -123,12 +122,12 @@ struct Plane {
 }
 
 impl Plane {
-    /// The radius, brought back to the rim from just beyond it; `None` further out, for NaN as well.
+    /// The radius, clamped to the rim within the tolerance [`RIM`]; `None` beyond it and for NaN.
     fn radius_within(&self, rim: f32) -> Option<f32> {
         (self.radius <= rim * (1.0 + RIM)).then(|| self.radius.min(rim))
     }
 
-    /// The bearing at the angle `theta` in this direction from the axis.
+    /// The bearing at the angle `theta` from the axis, in this direction around it.
     fn bearing(&self, theta: f32) -> Bearing {
         if self.radius > 0.0 {
             let (sin, cos) = libm::sincosf(theta);
@@ -147,9 +146,9 @@ struct Polar {
 }
 
 impl Polar {
-    /// `None` for a bearing that is not finite, zero, or straight behind.
+    /// `None` for a bearing that is not finite, zero, or opposite to the optical axis.
     fn new(bearing: &Bearing) -> Option<Self> {
-        let b = unlimited(bearing)?;
+        let b = scaled_to_1(bearing)?;
         let rho = libm::sqrtf(b.x * b.x + b.y * b.y);
         if rho > 0.0 {
             return Some(Self { theta: libm::atan2f(rho, b.z), direction: [b.x / rho, b.y / rho] });
@@ -157,17 +156,17 @@ impl Polar {
         (b.z > 0.0).then_some(Self { theta: 0.0, direction: [0.0; 2] })
     }
 
-    /// The angle, brought back to the rim from just beyond it; `None` further out.
+    /// The angle, clamped to the rim within the tolerance [`RIM`]; `None` beyond it.
     fn theta_within(&self, rim: f32) -> Option<f32> {
         (self.theta <= rim * (1.0 + RIM)).then(|| self.theta.min(rim))
     }
 }
 
-/// The bearing with its largest component at 1, so that no square overflows or vanishes; `None` for a
+/// The bearing scaled to a largest component of 1, so that squares neither overflow nor underflow; `None` for a
 /// bearing that is not finite or zero.
-fn unlimited(bearing: &Bearing) -> Option<Bearing> {
+fn scaled_to_1(bearing: &Bearing) -> Option<Bearing> {
     let largest = bearing.x.abs().max(bearing.y.abs()).max(bearing.z.abs());
-    // The maximum passes over NaN, the sum does not.
+    // `max` ignores NaN; the sum propagates it.
     let sum = bearing.x + bearing.y + bearing.z;
     if largest > 0.0 && largest.is_finite() && !sum.is_nan() {
         return Some(Bearing::new(bearing.x / largest, bearing.y / largest, bearing.z / largest));
@@ -188,10 +187,10 @@ pub enum Camera {
 }
 
 impl Camera {
-    /// Where a bearing falls in the image, however far outside the sensor.
+    /// Projects a bearing of any length to a pixel, which may lie outside the image.
     ///
-    /// The bearing need not have length 1. `None` when it is not finite, zero, straight behind or
-    /// beyond [`max_angle`](Self::max_angle).
+    /// `None` if the bearing is not finite, zero, opposite to the optical axis or beyond
+    /// [`max_angle`](Self::max_angle).
     #[must_use]
     pub fn project(&self, bearing: &Bearing) -> Option<Pixel> {
         match self {
@@ -201,10 +200,9 @@ impl Camera {
         }
     }
 
-    /// The bearing that falls on a pixel, of length 1.
+    /// The bearing, of length 1, that projects to a pixel.
     ///
-    /// `None` when the pixel is not finite or lies outside the image of the
-    /// [field](Self::max_angle).
+    /// `None` if the pixel is not finite or lies outside the image of the [field](Self::max_angle).
     #[must_use]
     pub fn unproject(&self, pixel: Pixel) -> Option<Bearing> {
         match self {
@@ -216,7 +214,7 @@ impl Camera {
 
     /// The camera of an image resized by `sx` along x and `sy` along y: f' = f s, c' = (c + 0.5) s - 0.5.
     ///
-    /// With a scale that is not positive and finite the camera sees nothing.
+    /// If a scale is not positive and finite, the camera projects and unprojects nothing.
     #[must_use]
     pub fn scaled(&self, sx: f32, sy: f32) -> Self {
         let mut camera = *self;
@@ -239,7 +237,7 @@ impl Camera {
         }
     }
 
-    /// The largest angle from the axis that has an image, in radians, at most [`WIDEST_ANGLE`].
+    /// Radius of the field: the largest angle from the axis that has an image, in radians, at most [`WIDEST_ANGLE`].
     #[must_use]
     pub fn max_angle(&self) -> f32 {
         match self {
@@ -250,25 +248,24 @@ impl Camera {
     }
 }
 
-/// Why a camera, a view or a rig could not be made.
+/// Error of constructing a camera, a view or a rig.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum CameraError {
     /// A parameter is infinite or not a number.
     NotFinite,
-    /// A focal length is zero or negative.
+    /// A focal length is not positive.
     Focal,
     /// Alpha lies outside 0 to 1.
     Alpha,
-    /// Beta is zero or negative.
+    /// Beta is not positive.
     Beta,
-    /// The field is narrower than [`NARROWEST_ANGLE`], or its image smaller: the radius stops growing
-    /// with the angle, or grows beyond measure.
+    /// The field is narrower than [`NARROWEST_ANGLE`], or the radius of its image smaller than that in focal lengths.
     Field,
-    /// An image has no pixels along one side.
+    /// Width or height of an image is 0.
     Size,
-    /// A rotation is not orthonormal, or mirrors.
+    /// A rotation matrix is not orthonormal, or its determinant is negative.
     Rotation,
     /// A rig has no camera.
     Empty,

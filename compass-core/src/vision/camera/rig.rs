@@ -1,22 +1,21 @@
-//! One or two cameras that look at the same place.
+//! A rig of one or two rigidly mounted cameras.
 
 use nalgebra::{Matrix3, Vector3};
 
 use super::{Camera, CameraError, finite};
 
-/// Largest departure of a rotation's rows from orthonormal.
+/// Largest absolute error of an element of R R^T - I for a rotation matrix R.
 const ORTHONORMAL: f32 = 1e-4;
 
-/// Cameras of a rig at most.
+/// Largest number of cameras of a rig.
 pub const CAMERAS: usize = 2;
 
-/// One value for each camera of a rig, by its number.
+/// One value per camera of a rig, by camera number.
 ///
-/// It is an alias: arrays already have what values per camera are used with (`map`, `zip`, patterns), and a pattern of
-/// two cannot miss a camera.
+/// An alias, because arrays have `map`, `zip` and patterns that cover both cameras.
 pub type PerCamera<T> = [T; CAMERAS];
 
-/// A camera with its image size and its place in the rig.
+/// A camera with its image size and its pose in the rig.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View {
     /// The camera.
@@ -25,14 +24,14 @@ pub struct View {
     pub width: u16,
     /// Pixels along y.
     pub height: u16,
-    /// Turns bearings of this camera into bearings of camera 0.
+    /// Rotates bearings of this camera into the axes of camera 0.
     pub rotation: Matrix3<f32>,
-    /// Where this camera is in the axes of camera 0, metres.
+    /// Position of this camera in the axes of camera 0, metres.
     pub position: Vector3<f32>,
 }
 
 impl View {
-    /// A camera in the place of camera 0.
+    /// A camera at the pose of camera 0.
     #[must_use]
     pub fn new(camera: Camera, width: u16, height: u16) -> Self {
         Self { camera, width, height, rotation: Matrix3::identity(), position: Vector3::zeros() }
@@ -68,7 +67,7 @@ impl defmt::Format for View {
     }
 }
 
-/// The cameras of a robot, in the order of their images; either may be missing.
+/// The cameras of a robot, in the order of their images; one of them may be missing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Rig {
@@ -76,14 +75,14 @@ pub struct Rig {
 }
 
 impl Rig {
-    /// No camera.
+    /// A rig without a camera: initial value of workspaces.
     pub(crate) const NONE: Self = Self { views: [None; 2] };
 
     /// A rig of one or two cameras.
     ///
     /// # Errors
     /// [`CameraError::Empty`] without a camera; [`CameraError::Size`], [`CameraError::NotFinite`] and
-    /// [`CameraError::Rotation`] for a view that makes no sense.
+    /// [`CameraError::Rotation`] for an invalid view.
     pub fn new(views: PerCamera<Option<View>>) -> Result<Self, CameraError> {
         if views.iter().flatten().count() == 0 {
             return Err(CameraError::Empty);
@@ -92,8 +91,8 @@ impl Rig {
         Ok(Self { views })
     }
 
-    /// The paper's simplification: the back camera is the front one turned by 180 degrees about the
-    /// vertical (y) axis, and both are in the same place. The places in the two views are passed over.
+    /// The paper's simplified rig: camera 1 is camera 0 rotated by 180 degrees about the vertical (y) axis, both at the
+    /// same position. Ignores rotation and position of the two views.
     ///
     /// # Errors
     /// [`CameraError::Size`].
@@ -104,13 +103,13 @@ impl Rig {
         Self::new([Some(front), Some(back)])
     }
 
-    /// The camera with this number, 0 or 1, if the rig has it.
+    /// The view of camera `number`, 0 or 1, if the rig has it.
     #[must_use]
     pub fn view(&self, number: usize) -> Option<&View> {
         self.views.get(number)?.as_ref()
     }
 
-    /// The cameras there are, with their numbers.
+    /// Camera numbers and views of the cameras present.
     pub fn views(&self) -> impl Iterator<Item = (usize, &View)> {
         self.views.iter().enumerate().filter_map(|(number, view)| Some((number, view.as_ref()?)))
     }

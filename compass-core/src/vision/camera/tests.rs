@@ -17,7 +17,7 @@ fn equidistant() -> Camera {
     Camera::Equidistant(Equidistant::new(INTRINSICS).unwrap())
 }
 
-/// Lenses of all models: ordinary ones and the ends of their ranges.
+/// Lenses of all models: typical parameters and the ends of their ranges.
 fn lenses() -> Vec<Camera> {
     let mut lenses = std::vec![
         equidistant(),
@@ -92,7 +92,7 @@ fn the_field_ends_where_the_model_does() {
 }
 
 #[test]
-fn what_is_no_bearing_or_pixel_has_no_image() {
+fn invalid_bearings_and_pixels_have_no_image() {
     for lens in lenses() {
         for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
             for slot in 0..3 {
@@ -102,9 +102,9 @@ fn what_is_no_bearing_or_pixel_has_no_image() {
             }
             assert_eq!(lens.unproject(Pixel { x: bad, y: 1.0 }), None);
             assert_eq!(lens.unproject(Pixel { x: 1.0, y: bad }), None);
-            let blind = lens.scaled(bad, 1.0);
-            assert_eq!(blind.project(&at(0.5, 0.0)), None);
-            assert_eq!(blind.unproject(Pixel { x: 700.0, y: 700.0 }), None);
+            let unusable = lens.scaled(bad, 1.0);
+            assert_eq!(unusable.project(&at(0.5, 0.0)), None);
+            assert_eq!(unusable.unproject(Pixel { x: 700.0, y: 700.0 }), None);
         }
         assert_eq!(lens.project(&Bearing::zeros()), None);
         assert_eq!(lens.unproject(Pixel { x: f32::MAX, y: f32::MIN }), None);
@@ -125,7 +125,7 @@ fn the_length_of_a_bearing_does_not_matter() {
 }
 
 #[test]
-fn refuses_parameters_that_make_no_sense() {
+fn rejects_invalid_parameters() {
     let with = |change: &dyn Fn(&mut Intrinsics)| {
         let mut intrinsics = INTRINSICS;
         change(&mut intrinsics);
@@ -167,7 +167,7 @@ fn scaling_keeps_the_outer_edges_of_the_image() {
 }
 
 #[test]
-fn the_rim_itself_goes_round() {
+fn pixels_on_the_rim_round_trip() {
     for lens in lenses() {
         for step in 0..360_u16 {
             let azimuth = f32::from(step).to_radians();
@@ -181,7 +181,7 @@ fn the_rim_itself_goes_round() {
     }
 }
 
-/// Fingerprint of the bits of projections and bearings; a target that rounds otherwise has another one.
+/// Hash of the bits of projections and bearings; it differs on a target that rounds differently.
 #[test]
 fn bits_are_the_same_on_every_target() {
     let mut sum = 0xcbf2_9ce4_8422_2325_u64;
@@ -208,7 +208,7 @@ fn intrinsics() -> impl Strategy<Value = Intrinsics> {
         .prop_map(|(fx, aspect, cx, cy)| Intrinsics { fx, fy: fx * aspect, cx, cy })
 }
 
-/// Lenses of all models, also such as nobody would grind.
+/// Lenses of all models, including implausible ones.
 fn any_lens() -> impl Strategy<Value = Camera> {
     let k = [-0.3_f32..0.3, -0.1..0.1, -0.05..0.05, -0.01..0.01];
     prop_oneof![
@@ -224,7 +224,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(20_000))]
 
     #[test]
-    fn pixels_go_round(lens in any_lens(), x in 0.0_f32..4096.0, y in 0.0_f32..4096.0) {
+    fn pixels_round_trip(lens in any_lens(), x in 0.0_f32..4096.0, y in 0.0_f32..4096.0) {
         let pixel = Pixel { x, y };
         if let Some(bearing) = lens.unproject(pixel) {
             prop_assert!((bearing.norm() - 1.0).abs() < 1e-6);
@@ -233,9 +233,9 @@ proptest! {
         }
     }
 
-    /// Nothing that is not a number comes out, whatever goes in.
+    /// The output is finite for every bit pattern of the input.
     #[test]
-    fn any_bits_are_survived(lens in any_lens(), bits in [any::<u32>(), any::<u32>(), any::<u32>()]) {
+    fn output_is_finite_for_any_bits(lens in any_lens(), bits in [any::<u32>(), any::<u32>(), any::<u32>()]) {
         let [x, y, z] = bits.map(f32::from_bits);
         if let Some(pixel) = lens.project(&Bearing::new(x, y, z)) {
             prop_assert!(pixel.x.is_finite() && pixel.y.is_finite());
@@ -254,7 +254,7 @@ proptest! {
 }
 
 #[test]
-fn a_rig_is_checked() {
+fn invalid_rigs_are_rejected() {
     let view = View::new(equidistant(), 1408, 1382);
     assert_eq!(Rig::new([None, None]).unwrap_err(), CameraError::Empty);
     assert_eq!(Rig::new([Some(View { width: 0, ..view }), None]).unwrap_err(), CameraError::Size);
@@ -266,20 +266,20 @@ fn a_rig_is_checked() {
     assert_eq!(Rig::new([None, Some(bad)]).unwrap_err(), CameraError::Rotation);
     let mut bad = view;
     bad.rotation[(2, 2)] = -1.0;
-    assert_eq!(Rig::new([None, Some(bad)]).unwrap_err(), CameraError::Rotation, "mirrors");
+    assert_eq!(Rig::new([None, Some(bad)]).unwrap_err(), CameraError::Rotation, "a reflection");
     let rig = Rig::new([None, Some(view)]).unwrap();
     assert_eq!((rig.view(0), rig.view(1), rig.view(2)), (None, Some(&view), None));
     assert_eq!(rig.views().map(|(number, _)| number).collect::<Vec<_>>(), [1]);
 }
 
 #[test]
-fn back_to_back_looks_both_ways() {
+fn back_to_back_cameras_face_opposite_ways() {
     let view = View::new(equidistant(), 1408, 1382);
     let rig = Rig::back_to_back(view, view).unwrap();
     assert_eq!(rig.view(0), Some(&view));
     let back = rig.view(1).unwrap();
     assert_eq!(back.rotation * Bearing::new(0.0, 0.0, 1.0), Bearing::new(0.0, 0.0, -1.0));
     assert_eq!(back.rotation * Bearing::new(1.0, 0.0, 0.0), Bearing::new(-1.0, 0.0, 0.0));
-    assert_eq!(back.rotation * Bearing::new(0.0, 1.0, 0.0), Bearing::new(0.0, 1.0, 0.0), "down stays down");
+    assert_eq!(back.rotation * Bearing::new(0.0, 1.0, 0.0), Bearing::new(0.0, 1.0, 0.0), "y is unchanged");
     assert_eq!(back.position, nalgebra::Vector3::zeros());
 }

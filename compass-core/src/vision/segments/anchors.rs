@@ -1,24 +1,25 @@
-//! Anchors: local maxima of the gradient across the edge, where drawing starts.
+//! Anchors: local maxima of the gradient magnitude across the edge, from which drawing starts.
 
 use super::cell::{MAGNITUDE_SHIFT, VERTICAL, strength};
 use super::draw::Drawing;
 use super::gradient::triples;
 use super::walk::Position;
+use crate::base::num::{count_as_i32, index_of};
 
 /// Anchors lie on every other row and column.
 const INTERVAL: usize = 2;
-/// Columns whose anchors in one row make up a word.
+/// Columns whose anchors in one row fill a word.
 const BAND: usize = 32 * INTERVAL;
 
-/// Words that hold the anchors of an image: one bit for every other pixel of every other row.
+/// Words of an image's anchors: one bit for every other pixel of every other row.
 pub(super) const fn words(width: usize, height: usize) -> usize {
     width.div_ceil(BAND) * (height / INTERVAL)
 }
 
-/// Finds the anchors of an image: every other pixel of every other row, if stronger by `threshold` than both
-/// of its neighbours across the edge. Returns whether there are any.
+/// Marks the anchors of an image: of every other pixel of every other row, those that exceed both neighbours across the
+/// edge by `threshold`. Returns whether there is an anchor.
 ///
-/// Words go band of columns by band, and row by row in each.
+/// Words are ordered by band of columns, then by row.
 #[inline(always)]
 pub(super) fn mark(cells: &[u16], width: usize, threshold: u16, anchors: &mut [u32]) -> bool {
     let rows = cells.len() / width / INTERVAL;
@@ -39,13 +40,13 @@ pub(super) fn mark(cells: &[u16], width: usize, threshold: u16, anchors: &mut [u
     any != 0
 }
 
-/// Tests every other cell between the first and the last of the middle row.
+/// Tests every other cell of the middle row, except the first and the last.
 #[inline(always)]
 fn mark_band([above, row, below]: [&[u16]; 3], threshold: u16) -> u32 {
     let mut marked = [0_u16; BAND];
-    // Cells stay below 2^15, so that differences fit.
-    let signed = |cell: u16| strength(cell) as i16;
-    let threshold = (threshold << MAGNITUDE_SHIFT).clamp(1, i16::MAX as u16) as i16;
+    // Cells are below 2^15, so that differences fit.
+    let signed = |cell: u16| strength(cell).cast_signed();
+    let threshold = (threshold << MAGNITUDE_SHIFT).clamp(1, i16::MAX as u16).cast_signed();
     let rows = triples(above).zip(triples(row)).zip(triples(below));
     for ((marked, bit), (([_, up, _], [left, here, right]), [_, down, _])) in
         marked.iter_mut().zip(&BITS).zip(rows)
@@ -60,7 +61,8 @@ fn mark_band([above, row, below]: [&[u16]; 3], threshold: u16) -> u32 {
     gather(low) | gather(high) << 16
 }
 
-/// What each cell of a band adds to its half word.
+/// Bit of each cell of a band in its half word.
+#[expect(clippy::indexing_slicing, reason = "i is below `BAND`")]
 const BITS: [u16; BAND] = {
     let mut bits = [0; BAND];
     let mut i = 0;
@@ -71,23 +73,23 @@ const BITS: [u16; BAND] = {
     bits
 };
 
-/// Rows whose anchors are looked at together.
+/// Rows of anchors summarized by one word.
 const BLOCK: usize = 32;
 /// Blocks of the highest image.
 const MAX_BLOCKS: usize = super::MAX_SIDE as usize / INTERVAL / BLOCK;
 
 /// Draws from all anchors, column by column.
 pub(super) fn visit(drawing: &mut Drawing<'_, '_>, anchors: &[u32]) {
-    let rows = drawing.cells.height as usize / INTERVAL;
+    let rows = index_of(drawing.cells.height) / INTERVAL;
     for (band, words) in anchors.chunks_exact(rows.max(1)).enumerate() {
-        // Most columns of a block have no anchor.
+        // Most columns of a block have no anchor: the union of its words skips them.
         let mut blocks = [0; MAX_BLOCKS];
         for (block, words) in blocks.iter_mut().zip(words.chunks(BLOCK)) {
             *block = words.iter().fold(0, |any, word| any | word);
         }
         let any = blocks.iter().fold(0, |any, block| any | block);
         for column in (0..32).filter(|c| any >> c & 1 == 1) {
-            let x = (band * BAND + INTERVAL * column + 1) as i32;
+            let x = count_as_i32(band * BAND + INTERVAL * column + 1);
             let with_anchor = |word: &u32| word >> column & 1 == 1;
             for (first, words) in blocks
                 .iter()
@@ -97,7 +99,7 @@ pub(super) fn visit(drawing: &mut Drawing<'_, '_>, anchors: &[u32]) {
                 .map(|(i, (_, words))| (i * BLOCK, words))
             {
                 for (row, _) in words.iter().enumerate().filter(|(_, word)| with_anchor(word)) {
-                    if !drawing.draw_from(Position { x, y: (INTERVAL * (first + row) + 1) as i32 }) {
+                    if !drawing.draw_from(Position { x, y: count_as_i32(INTERVAL * (first + row) + 1) }) {
                         return;
                     }
                 }

@@ -1,4 +1,4 @@
-//! Drawing: walks from each anchor along its edge, fits lines as it goes, and grows them both ways.
+//! Edge drawing: walks from each anchor along its edge, fits lines on the way and extends them at both ends.
 
 use super::cell::{self, EDGE, INLIER, JUNCTION, NONE, OUTLIER, is_vertical, label, strength};
 use super::growth::{End, Growth, Trail};
@@ -8,42 +8,44 @@ use super::parameters::Parameters;
 use super::segment::Segment;
 use super::validate;
 use super::walk::{Cells, Position, Walker};
+use crate::base::num::{saturate_to_u16, saturate_to_u32};
 use heapless::Vec;
 
-/// A walk ends once more pixels than this are off the line in a row.
+/// A walk ends after more consecutive pixels off the line than this.
 const MAX_OUTLIERS: usize = 3;
-/// Continuations kept waiting; more are dropped, which the result reports.
+/// Capacity of the stack of branches; further ones are dropped and the result is flagged truncated.
 const MAX_BRANCHES: usize = 128;
-/// Pixels of the first branch from an anchor that the opposite one starts with.
+/// Pixels of an anchor's first branch that seed the opposite one.
 const BACK_SEEDS: usize = WINDOW - 1;
-/// The ends of a segment lie this near to its last pixels: twice the reach of a line, as it moves while it grows.
+/// Largest distance between a segment's ends and its last pixels: twice the inlier tolerance, because later fits move the
+/// line.
 const STRAY_PX: f32 = 3.0;
-/// Pixels a window slides by.
+/// Stride of the sliding window, pixels.
 const SLIDE: usize = 2;
 
-/// Pixels off the line, in order: at most one taken back and four new ones.
+/// Consecutive pixels off the line: at most one former inlier and four new ones.
 type Outliers = Vec<Position, { MAX_OUTLIERS + 2 }>;
 
-/// A place to draw on from, looking for a new line. Positions are packed: many of these wait.
+/// A position from which to search a new line. Positions are packed to keep the stack small.
 #[derive(Debug)]
 struct Branch {
     at: u32,
     direction: (i8, i8),
-    /// The last pixel of the line left, and those off it.
+    /// The last pixel of the line that ended, and the outliers after it.
     seeds: Vec<u32, { MAX_OUTLIERS + 3 }, u8>,
 }
 
-/// How a walk along a line ended.
+/// End of a walk along a line.
 struct Stop {
-    /// On a pixel drawn before.
+    /// Whether the walk met a pixel drawn before.
     hit: bool,
     outliers: Outliers,
     walker: Walker,
-    /// Axis of the edge at the last pixel drawn or left.
+    /// Whether the edge is vertical at the last pixel.
     vertical: bool,
 }
 
-/// Everything that drawing needs.
+/// State of drawing.
 #[derive(Debug)]
 pub(super) struct Drawing<'a, 'out> {
     pub(super) cells: Cells<'a>,
@@ -52,7 +54,7 @@ pub(super) struct Drawing<'a, 'out> {
     pub(super) found: &'out mut [Segment],
     pub(super) count: usize,
     pub(super) truncated: bool,
-    /// Steps left: bounds the work whatever the image.
+    /// Remaining step budget: bounds the work for any image.
     pub(super) steps_left: u32,
     pub(super) parameters: Parameters,
     anchor: Position,
@@ -67,7 +69,7 @@ impl<'a, 'out> Drawing<'a, 'out> {
         found: &'out mut [Segment],
         parameters: Parameters,
     ) -> Self {
-        let steps_left = (cells.cells.len() as u32).saturating_mul(16);
+        let steps_left = saturate_to_u32(cells.cells.len()).saturating_mul(16);
         Self {
             cells,
             smoothed,
@@ -82,7 +84,7 @@ impl<'a, 'out> Drawing<'a, 'out> {
         }
     }
 
-    /// Draws from a pixel, if nothing has been drawn over it; false once there is no room for more.
+    /// Draws from a pixel that is not yet visited; false once the segment list or the step budget is exhausted.
     pub(super) fn draw_from(&mut self, p: Position) -> bool {
         let cell = self.cells.get(p);
         if label(cell) == NONE {
@@ -111,7 +113,7 @@ impl<'a, 'out> Drawing<'a, 'out> {
         self.tree(Walker { at: anchor, dx: -dx, dy: -dy });
     }
 
-    /// Draws a branch, its seeds on the trail, and all that continue it; returns the first pixels of the first.
+    /// Draws a branch, seeded by the trail, and all branches that follow from it; returns the first pixels of the first one.
     fn tree(&mut self, root: Walker) -> Vec<u32, BACK_SEEDS> {
         self.branch(root);
         let first = self.trail.iter().take(self.parameters.window() - 1).map(Position::packed).collect();
@@ -132,14 +134,14 @@ impl<'a, 'out> Drawing<'a, 'out> {
         }
     }
 
-    /// Walks until the last pixels lie on a line.
+    /// Walks until the pixels of the sliding window lie on a line.
     fn search(&mut self, walker: &mut Walker) -> Option<Growth> {
         let mut window = Window::default();
         let mut start = 0;
         self.trail.iter().for_each(|p| window.add(p));
         let mut vertical = walker.dy != 0;
         let length = self.parameters.window();
-        // Seeds never fill a window, so the first test comes after at least one step.
+        // Seeds never fill a window, so that the first test comes after at least one step.
         while self.steps_left > 0 {
             self.steps_left -= 1;
             let cell = walker.advance(&self.cells, vertical);
@@ -171,7 +173,7 @@ impl<'a, 'out> Drawing<'a, 'out> {
         None
     }
 
-    /// Begins a line at the window that starts at `start`.
+    /// Fits the first line, to the window that starts at `start`.
     fn found_line(&mut self, start: usize, steep: bool) -> Growth {
         self.trail.keep_last(self.trail.len - start);
         let last = self.trail.len - 1;
@@ -192,7 +194,7 @@ impl<'a, 'out> Drawing<'a, 'out> {
         }
     }
 
-    /// Grows a line at both ends as far as it goes, then emits it.
+    /// Extends a line at both ends as far as possible, then emits it.
     fn grow(&mut self, mut growth: Growth, walker: Walker) {
         let mut end = End::Head;
         let mut tail_grown = false;
@@ -203,12 +205,12 @@ impl<'a, 'out> Drawing<'a, 'out> {
                 self.take_back(&mut growth, end, &mut stop.outliers);
             }
             tail_grown |= end == End::Tail;
-            let many = stop.outliers.len() > MAX_OUTLIERS;
-            if many {
+            let left_line = stop.outliers.len() > MAX_OUTLIERS;
+            if left_line {
                 self.continue_later(&stop);
             }
             growth.line.fit();
-            if (many || stop.hit)
+            if (left_line || stop.hit)
                 && !growth.head_extended
                 && let Some(jump) = self.jump(&growth, End::Head)
             {
@@ -234,7 +236,7 @@ impl<'a, 'out> Drawing<'a, 'out> {
         self.emit(&growth);
     }
 
-    /// Walks on along a line until it ends.
+    /// Walks along a line until it ends.
     fn follow(&mut self, growth: &mut Growth, end: End, (mut walker, axis): (Walker, bool)) -> Stop {
         let mut outliers = Outliers::new();
         let mut hit = false;
@@ -267,7 +269,7 @@ impl<'a, 'out> Drawing<'a, 'out> {
         Stop { hit, outliers, walker, vertical }
     }
 
-    /// Takes the last inlier back: it began to leave the line.
+    /// Removes the last inlier from the line: it was the first pixel to deviate.
     fn take_back(&mut self, growth: &mut Growth, end: End, outliers: &mut Outliers) {
         let anchor = self.anchor;
         let (pixels, _) = growth.end_mut(end);
@@ -282,7 +284,7 @@ impl<'a, 'out> Drawing<'a, 'out> {
         }
     }
 
-    /// Frees the pixels off the line; a new line is looked for through them once this one is done.
+    /// Clears the labels of the outliers and pushes a branch that searches a new line through them after this one.
     fn continue_later(&mut self, stop: &Stop) {
         let mut seeds: Vec<_, _, u8> = self.trail.iter().last().map(Position::packed).into_iter().collect();
         for p in &stop.outliers {
@@ -301,8 +303,7 @@ impl<'a, 'out> Drawing<'a, 'out> {
         jump::find(&self.cells, self.smoothed, growth, end)
     }
 
-    /// Adds the pixels of a jump to the line; returns the walker on the far side and the
-    /// axis of its first step.
+    /// Adds the pixels of a jump to the line; returns the walker beyond the gap and whether its first step is along y.
     fn cross(&mut self, growth: &mut Growth, end: End, jump: &Jump) -> (Walker, bool) {
         let half = jump.pixels.len() / 2;
         for (i, p) in jump.pixels.iter().enumerate() {
@@ -327,13 +328,13 @@ impl<'a, 'out> Drawing<'a, 'out> {
                 None => return,
             }
         } else {
-            growth.line.len().min(usize::from(u16::MAX)) as u16
+            saturate_to_u16(growth.line.len())
         };
         let ([x1, y1], [x2, y2]) = (growth.line.foot(growth.tail[0]), growth.line.foot(growth.head[0]));
-        // A line that has turned away from where it began is none.
+        // Drop a line that has rotated away from its first or last pixels.
         let strays = |[x, y]: [f32; 2], p: Position| {
             let (dx, dy) = (x - p.x as f32, y - p.y as f32);
-            // Not a number strays as well.
+            // NaN counts as too far.
             (dx * dx + dy * dy).partial_cmp(&(STRAY_PX * STRAY_PX)).is_none_or(core::cmp::Ordering::is_gt)
         };
         if strays([x1, y1], growth.tail[0]) || strays([x2, y2], growth.head[0]) {

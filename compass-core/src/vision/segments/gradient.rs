@@ -1,12 +1,12 @@
-//! Sobel gradient: thresholded magnitudes of rows, and both components at single pixels.
+//! Sobel gradient: thresholded magnitudes of whole rows, and both components at single pixels.
 
 use super::cell::{MAGNITUDE_SHIFT, VERTICAL};
 use super::walk::{Cells, Position};
 use crate::base::raster::BitMask;
 
-/// Fills the cells of one row from the smoothed rows above, at and below it.
+/// Computes the cells of one row from the smoothed rows above, at and below it.
 ///
-/// Magnitudes below `threshold` become 0, and so do the first and the last cell: walks end there.
+/// Magnitudes below `threshold` are set to 0, and so are the first and the last cell, so that walks end there.
 #[inline(always)]
 pub(super) fn gradient_row([above, row, below]: [&[u8]; 3], threshold: u16, cells: &mut [u16]) {
     let [first, cells @ .., last] = cells else { return cells.fill(0) };
@@ -24,14 +24,14 @@ pub(super) fn gradient_row([above, row, below]: [&[u8]; 3], threshold: u16, cell
     (*first, *last) = (0, 0);
 }
 
-/// Each cell of a row but the first and the last, between its neighbours.
+/// Windows of three neighbouring cells of a row.
 #[inline(always)]
 pub(super) fn triples<T: Copy>(row: &[T]) -> impl Iterator<Item = [T; 3]> {
     let from = |start: usize| row.get(start..).unwrap_or_default();
     row.iter().zip(from(1)).zip(from(2)).map(|((a, b), c)| [*a, *b, *c])
 }
 
-/// Clears the cells of row `y` outside `mask`, without branches: eight cells make a vector.
+/// Clears the cells of row `y` outside `mask`, without branches, eight cells per vector.
 #[inline(always)]
 pub(super) fn mask_row(mask: &BitMask<'_>, y: u32, cells: &mut [u16]) {
     let clear = |bits: u8, cells: &mut [u16]| {
@@ -47,12 +47,12 @@ pub(super) fn mask_row(mask: &BitMask<'_>, y: u32, cells: &mut [u16]) {
     clear(bytes.next().copied().unwrap_or(0), rest);
 }
 
-/// Sobel gradient of the smoothed image at a pixel; 0 beyond the border.
+/// Sobel gradient of the smoothed image at a pixel; 0 on the border and outside.
 #[inline(always)]
 pub(super) fn sobel(smoothed: &[u8], cells: &Cells<'_>, p: Position) -> (i32, i32) {
     let width = cells.width as isize;
     let here = p.y as isize * width + p.x as isize;
-    let at = |offset: isize| smoothed.get((here + offset) as usize).copied().map_or(0, i32::from);
+    let at = |offset: isize| smoothed.get((here + offset).cast_unsigned()).copied().map_or(0, i32::from);
     if p.x < 1 || p.y < 1 || p.x + 1 >= cells.width || p.y + 1 >= cells.height {
         return (0, 0);
     }

@@ -1,19 +1,19 @@
-//! A line while it grows, and the pixels it grew through.
+//! A line under construction, and the trail of its pixels.
 
 use super::line::Line;
 use super::walk::Position;
 
-/// A line while it grows. The head is the end it was found at, the tail the other one.
+/// A line under construction. The head is the end at which the first window ended, the tail the other one.
 #[derive(Debug)]
 pub(super) struct Growth {
     pub(super) line: Line,
-    /// Last pixel, and the one before it.
+    /// The last pixel and the one before it.
     pub(super) head: [Position; 2],
-    /// First pixel, and the one after it.
+    /// The first pixel and the one after it.
     pub(super) tail: [Position; 2],
     pub(super) head_extended: bool,
     pub(super) tail_extended: bool,
-    /// Sense of the main axis from tail to head.
+    /// Sign of the step along the main axis from tail to head.
     pub(super) forward: i32,
 }
 
@@ -39,18 +39,18 @@ impl Growth {
         *extended = false;
     }
 
-    /// The direction outwards along the main axis at an end.
+    /// The unit step away from the line along the main axis at an end.
     pub(super) fn outwards(&self, end: End) -> (i32, i32) {
         let sense = if end == End::Head { self.forward } else { -self.forward };
         let (steep, slope) = (self.line.steep, self.line.slope);
-        // A line fitted near 45 degrees may have turned to the other axis since.
+        // Refits may rotate a line near 45 degrees to the other main axis.
         let (steep, sense) =
             if slope.abs() > 1 << 16 { (!steep, sense * slope.signum()) } else { (steep, sense) };
         if steep { (0, sense) } else { (sense, 0) }
     }
 }
 
-/// The pixels of one branch, in the order drawn.
+/// The pixels of one branch, in drawing order.
 #[derive(Debug)]
 pub(super) struct Trail<'a> {
     pub(super) pixels: &'a mut [u32],
@@ -79,7 +79,7 @@ impl<'a> Trail<'a> {
         self.pixels.get(..self.len).unwrap_or(&[]).iter().map(|p| Position::unpacked(*p))
     }
 
-    /// Forgets all but the last `keep` pixels.
+    /// Drops all but the last `keep` pixels.
     pub(super) fn keep_last(&mut self, keep: usize) {
         let pixels = self.pixels.get_mut(..self.len).unwrap_or_default();
         let start = pixels.len().saturating_sub(keep);

@@ -1,35 +1,36 @@
-//! Gap jumping: whether a line goes on beyond an interruption of a few pixels.
+//! Gap jumping: tests whether a line continues beyond a gap of a few pixels.
 
 use super::cell::strength;
 use super::gradient::sobel;
 use super::growth::{End, Growth};
 use super::walk::{Cells, Position, Walker};
+use crate::base::num::{count_as_i32, index_of, truncate_to_i32};
 use heapless::Vec;
 
-/// Gap lengths tried, in pixels, and as many pixels must follow the gap.
+/// Gap lengths tried, in pixels; the line must continue for as many pixels beyond the gap.
 const LENGTHS: [i32; 3] = [5, 7, 9];
 /// Longest gap.
 const MAX_LENGTH: usize = 9;
-/// The pixels across the gap, both of its ends, and those walked beyond.
+/// Pixels across the gap, both of its ends, and the pixels walked beyond.
 const MAX_PIXELS: usize = 2 * MAX_LENGTH + 4;
-/// Squared cosine of twice 10 degrees, the angle allowed between the line's normal and the gradient.
+/// Squared cosine of twice 10 degrees, the largest angle between the line's normal and the gradient.
 const DOUBLE_ANGLE_COS_SQUARED: f32 = 0.883_022_2;
 
-/// Pixels that carry a line across a gap.
+/// Pixels that bridge a gap.
 #[derive(Debug)]
 pub(super) struct Jump {
     pub(super) pixels: Vec<Position, MAX_PIXELS>,
 }
 
-/// Looks for the line beyond one of its ends.
+/// Searches the continuation of a line beyond one of its ends.
 pub(super) fn find(cells: &Cells<'_>, smoothed: &[u8], growth: &Growth, end: End) -> Option<Jump> {
     let from = if end == End::Head { growth.head[0] } else { growth.tail[0] };
-    LENGTHS.into_iter().filter(|j| growth.line.len() > *j as usize).find_map(|length| {
+    LENGTHS.into_iter().filter(|j| growth.line.len() > index_of(*j)).find_map(|length| {
         let landing = landing(cells, growth, from, end, length)?;
         let mut pixels = between(from, landing);
         let gap = pixels.len();
         walk_on(cells, growth, length, &mut pixels)?;
-        goes_on(smoothed, cells, growth, pixels.get(gap..)?).then_some(Jump { pixels })
+        continues(smoothed, cells, growth, pixels.get(gap..)?).then_some(Jump { pixels })
     })
 }
 
@@ -41,7 +42,7 @@ fn landing(cells: &Cells<'_>, growth: &Growth, from: Position, end: End, length:
     let [x, y] = growth.line.foot(from);
     let (x, y) =
         if growth.line.steep { (x + slope * reach, y + reach) } else { (x + reach, y + slope * reach) };
-    let corner = Position { x: x as i32, y: y as i32 };
+    let corner = Position { x: truncate_to_i32(x), y: truncate_to_i32(y) };
     if x < 0.0 || y < 0.0 || !cells.contains(corner) {
         return None;
     }
@@ -55,7 +56,7 @@ fn landing(cells: &Cells<'_>, growth: &Growth, from: Position, end: End, length:
     (best.0 > 0).then_some(best.1)
 }
 
-/// Bresenham's line, both ends included; a tie moves aside.
+/// Bresenham's line, both ends included; ties step sideways.
 fn between(from: Position, to: Position) -> Vec<Position, MAX_PIXELS> {
     let (dx, dy) = (to.x - from.x, to.y - from.y);
     let (length, aside) = (dx.abs().max(dy.abs()), dx.abs().min(dy.abs()));
@@ -64,7 +65,7 @@ fn between(from: Position, to: Position) -> Vec<Position, MAX_PIXELS> {
     let mut pixels = Vec::new();
     let (mut p, mut error) = (from, 0);
     let _ = pixels.push(p);
-    for _ in 0..length.min(MAX_PIXELS as i32) {
+    for _ in 0..length.min(count_as_i32(MAX_PIXELS)) {
         error += aside;
         let moved = 2 * error >= length;
         error -= if moved { length } else { 0 };
@@ -75,7 +76,7 @@ fn between(from: Position, to: Position) -> Vec<Position, MAX_PIXELS> {
     pixels
 }
 
-/// Walks `length` pixels beyond the gap; all must have an edge and lie on the line.
+/// Walks `length` pixels beyond the gap; `None` unless all are edge pixels within reach of the line.
 fn walk_on(
     cells: &Cells<'_>,
     growth: &Growth,
@@ -95,9 +96,9 @@ fn walk_on(
     Some(())
 }
 
-/// Whether the gradient along the walked pixels and their neighbours across has one clear direction,
-/// that of the line's normal: from the structure tensor, with no root or angle taken.
-fn goes_on(smoothed: &[u8], cells: &Cells<'_>, growth: &Growth, pixels: &[Position]) -> bool {
+/// Whether the gradients at the walked pixels and their neighbours across the line have one dominant direction, that of
+/// the line's normal: from the structure tensor, without roots or angles.
+fn continues(smoothed: &[u8], cells: &Cells<'_>, growth: &Growth, pixels: &[Position]) -> bool {
     let (mut xx, mut xy, mut yy) = (0_i32, 0_i32, 0_i32);
     for p in pixels {
         for across in -1..=1 {

@@ -1,18 +1,20 @@
-//! Straight-line fits over drawn pixels, from exact integer sums.
+//! Least-squares line fits to drawn pixels, from exact integer sums.
 
 use super::walk::Position;
+use crate::base::num::{count_as_i32, index_of, truncate_to_i32};
 
-/// Most and fewest pixels of the first fit of a line.
+/// Largest window, pixels, of the first fit of a line.
 pub(super) const WINDOW: usize = 15;
+/// Smallest window, pixels.
 pub(super) const LEAST_WINDOW: usize = 8;
-/// A window is a line if the mean squared distance of its pixels is below a fifth of a square pixel.
+/// A window is a line if the mean squared distance of its pixels from the fit is below 1/5 px^2: the inverse of that.
 const WINDOW_ERROR_INVERSE: i64 = 5;
-/// A line takes pixels nearer than 1.5 px; here the square, in 1/65536 px^2.
+/// Squared inlier tolerance of a line, (1.5 px)^2 in 1/65536 px^2.
 const REACH_SQUARED: i64 = 147_456;
-/// No pixel this far along the cross axis is within reach of a line less steep than 60 degrees.
+/// Cross-axis distance, 1/65536 px, beyond which no pixel is an inlier of a line within 60 degrees of its main axis.
 const FAR: i32 = 3 << 16;
 
-/// Sums over the pixels of a sliding window, modulo 2^32: the central moments come out exact.
+/// Sums over the pixels of a sliding window, modulo 2^32: the central moments are exact.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Window {
     x: i32,
@@ -42,10 +44,10 @@ impl Window {
         self.yy = self.yy.wrapping_add(sign.wrapping_mul(p.y * p.y));
     }
 
-    /// Whether the `n` pixels summed up, at most [`WINDOW`], lie on a line, regressed on x or, if `steep`, on y.
+    /// Whether the `n` summed pixels, at most [`WINDOW`], lie on a line, by regression on x or, if `steep`, on y.
     #[inline(always)]
     pub(super) fn is_line(&self, n: usize, steep: bool) -> bool {
-        let n = n as i32;
+        let n = count_as_i32(n);
         let central =
             |product: i32, a: i32, b: i32| i64::from(n.wrapping_mul(product).wrapping_sub(a.wrapping_mul(b)));
         let (xx, yy) = (central(self.xx, self.x, self.x), central(self.yy, self.y, self.y));
@@ -57,9 +59,9 @@ impl Window {
     }
 }
 
-/// A least-squares line v = slope u + offset, u being the axis it runs along (y if steep).
+/// A least-squares line v = slope u + offset; u is the main axis (y if steep), v the cross axis.
 ///
-/// Coordinates count from `origin`, so that sums stay small and the fit sharp.
+/// Coordinates are relative to `origin`, which keeps the sums small and the fit precise.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Line {
     origin: Position,
@@ -69,13 +71,13 @@ pub(super) struct Line {
     v: i32,
     uu: i64,
     uv: i64,
-    /// Next count at which the line is fitted anew.
+    /// Number of pixels at which the next refit is due.
     due: i32,
-    /// 1/65536.
+    /// Slope, 1/65536.
     pub(super) slope: i32,
-    /// 1/65536 px.
+    /// Offset, 1/65536 px.
     offset: i32,
-    /// Largest squared cross-axis distance of an inlier, 1/65536 px^2.
+    /// Squared inlier tolerance along the cross axis, 1/65536 px^2.
     reach: i64,
 }
 
@@ -112,16 +114,16 @@ impl Line {
         let n = i64::from(self.n);
         let along = n * self.uu - i64::from(self.u) * i64::from(self.u);
         let across = n * self.uv - i64::from(self.u) * i64::from(self.v);
-        // IEEE division: the same bits everywhere. Casts saturate; no window has `along` 0 and is a line.
-        self.slope = (across as f32 / along as f32 * 65_536.0) as i32;
+        // IEEE division: the same bits on every target. Casts saturate; a window with `along` 0 is no line.
+        self.slope = truncate_to_i32(across as f32 / along as f32 * 65_536.0);
         let rest = (i64::from(self.v) << 16) - i64::from(self.slope) * i64::from(self.u);
-        self.offset = (rest as f32 / self.n as f32) as i32;
+        self.offset = truncate_to_i32(rest as f32 / self.n as f32);
         let tilt = i64::from(self.slope >> 8);
         self.reach = REACH_SQUARED + 9 * tilt * tilt / 4;
         self.due = self.n + 1 + (self.n >> 6);
     }
 
-    /// Adds an inlier; the line follows once enough have come.
+    /// Adds an inlier; refits the line when due.
     #[inline(always)]
     pub(super) fn add(&mut self, p: Position) {
         self.sum(p, 1);
@@ -130,13 +132,13 @@ impl Line {
         }
     }
 
-    /// Takes an inlier back.
+    /// Removes an inlier and refits the line.
     pub(super) fn remove(&mut self, p: Position) {
         self.sum(p, -1);
         self.fit();
     }
 
-    /// Whether a pixel lies within reach.
+    /// Whether a pixel is within the inlier tolerance.
     #[inline(always)]
     pub(super) fn takes(&self, p: Position) -> bool {
         let (u, v) = self.local(p);
@@ -164,8 +166,8 @@ impl Line {
         [self.origin.x as f32 + x, self.origin.y as f32 + y]
     }
 
-    /// Pixels fitted.
+    /// Number of pixels fitted.
     pub(super) fn len(&self) -> usize {
-        self.n.max(0) as usize
+        index_of(self.n.max(0))
     }
 }

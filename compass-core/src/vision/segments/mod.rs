@@ -1,15 +1,15 @@
 //! Line segments by edge drawing, after ELSED (Suárez, Buenaposada, Baumela: "ELSED: Enhanced line
 //! segment drawing", Pattern Recognition 2022).
 //!
-//! smooth -> gradient -> anchors -> drawing, which walks along edges, fits lines and grows them both
-//! ways, jumps gaps and looks for new lines where one ends -> validation.
+//! smoothing -> gradient -> anchors -> drawing (walks along edges, fits lines, extends them at both ends,
+//! jumps gaps, starts new lines where one ends) -> validation.
 //!
-//! Everything is integer, but for the ratio of sums in a line fit and the angles of gap and validation
-//! tests: there single IEEE operations on `f32`, the same on every target.
+//! All arithmetic is integer, except the ratio of sums in a line fit and the angle tests of gap jumping and
+//! validation: these are single IEEE operations on `f32`, the same on every target.
 //!
-//! The workspace takes 3 bytes a pixel (smoothed image, and magnitude, axis and label in 16 bits) and
-//! a trail of pixels the length of a few segments. Gradients are taken again from the smoothed image
-//! where a test needs their direction.
+//! The workspace takes 3 bytes per pixel (smoothed image; magnitude, axis and label in 16 bits) and
+//! a trail of pixels as long as a few segments. Where a test needs the direction of a gradient, it is computed
+//! again from the smoothed image.
 
 mod anchors;
 mod cell;
@@ -27,15 +27,16 @@ mod walk;
 pub use parameters::Parameters;
 pub use segment::Segment;
 
+use crate::base::num::saturate_to_u32;
 use crate::base::raster::{BitMask, GrayImage};
 use core::fmt;
 
-/// The detector and the reference, which follows ELSED to the letter, each find at least this share of the length of
-/// the other's segments, within 2 px and 5 degrees, on built-up scenes.
+/// Of the segment length that the detector finds, the reference, which is ELSED without changes, finds at least this share
+/// within 2 px and 5 degrees, and vice versa, on built-up scenes.
 ///
-/// What differs: the smoothed image, by one level here and there; a long line is fitted anew after every 64th part of its length instead of after every pixel;
-/// validation samples the gradient across the line at whole pixels along it, while other lines have not yet crossed it;
-/// each try to jump a gap is judged by its own pixels alone; borders end walks.
+/// Differences: smoothed pixels may differ by one level; a long line is refitted each time it has grown by a 64th of its
+/// length, not after every pixel; validation samples the gradient across the line at whole pixels along it, before other
+/// lines cross it; each attempt to jump a gap is tested on its own pixels alone; walks end at the image border.
 pub const SEGMENT_COVERAGE: f32 = 0.9;
 
 /// Longest side of an image, in pixels.
@@ -47,50 +48,50 @@ pub const fn pixels(width: u32, height: u32) -> usize {
     width as usize * height as usize
 }
 
-/// Elements of [`Workspace::trail`] for an image: the pixels of its longest segment and to spare, and one
-/// for 64 columns of every other row, where drawing may start.
+/// Elements of [`Workspace::trail`] for an image: an upper bound of the pixels of its longest segment, and one anchor
+/// word per 64 columns of every other row.
 #[must_use]
 pub const fn trail_len(width: u32, height: u32) -> usize {
     2 * (width as usize + height as usize) + 64 + anchors::words(width as usize, height as usize)
 }
 
-/// Bytes of a whole [`Workspace`]: a little above 3 a pixel.
+/// Bytes of a whole [`Workspace`]: a little above 3 per pixel.
 #[must_use]
 pub const fn workspace_bytes(width: u32, height: u32) -> usize {
     3 * pixels(width, height) + 4 * trail_len(width, height)
 }
 
-/// Memory lent to the detector; what it holds before does not matter.
+/// Memory lent to the detector; its initial contents are ignored.
 #[derive(Debug)]
 pub struct Workspace<'a> {
     /// [`pixels`] elements.
     pub cells: &'a mut [u16],
-    /// [`pixels`] elements; the smoothed image after a detection.
+    /// [`pixels`] elements; holds the smoothed image after a detection.
     pub smoothed: &'a mut [u8],
     /// [`trail_len`] elements.
     pub trail: &'a mut [u32],
 }
 
-/// What was detected.
+/// Result of a detection.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Detected {
     /// Number of segments written.
     pub count: usize,
-    /// Whether a list or buffer overflowed: more could have been found.
+    /// Whether a list, a buffer or the step budget was exhausted: segments may be missing.
     pub truncated: bool,
 }
 
-/// Why nothing was detected.
+/// Error of a detection.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum SegmentsError {
-    /// A side of the image is above [`MAX_SIDE`].
+    /// Width or height of the image is above [`MAX_SIDE`].
     Size,
-    /// The mask is not of the image's size.
+    /// Mask and image differ in size.
     Mask,
-    /// A buffer of the workspace is too short.
+    /// A buffer of the workspace is too short for the image.
     Workspace,
 }
 
@@ -106,17 +107,17 @@ impl fmt::Display for SegmentsError {
 
 impl core::error::Error for SegmentsError {}
 
-/// Finds the line segments of an image, at most as many as `found` holds, in the order completed.
+/// Detects the line segments of an image, at most as many as `found` holds, in the order of completion.
 ///
-/// Where `mask` is unset no segment is drawn: leave out what is not scene, and the 3 pixels next to it,
-/// which its rim reaches.
+/// No segment is drawn where `mask` is unset. Exclude what is not scene, dilated by 3 pixels: as far as smoothing and
+/// gradient reach.
 ///
 /// # Errors
-/// [`SegmentsError`] for an image too large, a mask of another size, a workspace too short.
+/// [`SegmentsError`] if the image is too large, the mask differs in size, or the workspace is too short.
 ///
 /// # Cost
-/// Passes over all pixels, and at most 16 steps of drawing a pixel.
-// Inlined down to the loops over all pixels, so that a caller compiled for wider vectors has them wider.
+/// A fixed number of passes over all pixels, and at most 16 drawing steps per pixel.
+// Inlined down to the loops over all pixels, so that they use the vector width of the caller's target features.
 #[inline(always)]
 pub fn detect(
     image: &GrayImage<'_>,
@@ -150,13 +151,14 @@ pub fn detect(
     while !anchors::mark(cells, width as usize, threshold, anchors) && threshold > 0 {
         threshold /= 2;
     }
-    let cells = walk::Cells { cells, width: width as i32, height: height as i32 };
+    let cells = walk::Cells { cells, width: width.cast_signed(), height: height.cast_signed() };
     let mut drawing = draw::Drawing::new(cells, smoothed, trail, found, *parameters);
     anchors::visit(&mut drawing, anchors);
     Ok(Detected { count: drawing.count, truncated: drawing.truncated })
 }
 
-/// Smooths an image: a Gaussian of 5 x 5 pixels, sigma 1. `row` is scratch of its width, `out` has its size.
+/// Smooths an image with a Gaussian of 5 x 5 pixels, sigma 1 pixel. `row` is scratch of one row, `out` has the size of the
+/// image.
 #[inline(never)]
 pub fn smooth(image: &GrayImage<'_>, row: &mut [u16], out: &mut [u8]) {
     let width = image.width() as usize;
@@ -166,7 +168,7 @@ pub fn smooth(image: &GrayImage<'_>, row: &mut [u16], out: &mut [u8]) {
     }
 }
 
-/// Smooths the image and fills the cells.
+/// Smooths the image and computes the gradient cells.
 #[inline(always)]
 fn prepare(
     image: &GrayImage<'_>,
@@ -178,7 +180,7 @@ fn prepare(
     let (width, height) = (image.width() as usize, image.height() as usize);
     let threshold = parameters.gradient_threshold.clamp(1, 2040);
     for y in 0..height {
-        // The row's cells, not yet needed, serve as scratch.
+        // The cells of row y are filled later and serve as scratch here.
         let (Some(column), Some(out)) =
             (cells.get_mut(y * width..(y + 1) * width), smoothed.get_mut(y * width..(y + 1) * width))
         else {
@@ -193,7 +195,7 @@ fn prepare(
         let row = cells.get_mut((y - 1) * width..y * width).unwrap_or(&mut []);
         gradient::gradient_row([rows(2), rows(1), rows(0)], threshold, row);
         if let Some(mask) = mask {
-            gradient::mask_row(mask, (y - 1) as u32, row);
+            gradient::mask_row(mask, saturate_to_u32(y - 1), row);
         }
     }
     if let Some(last) = cells.get_mut((height - 1) * width..) {

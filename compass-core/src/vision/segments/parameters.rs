@@ -1,20 +1,19 @@
-//! What the detector looks for.
+//! Parameters of the detector.
 
 use super::line;
 
-/// What the detector looks for. The defaults are those of ELSED.
+/// Parameters of the detector. The defaults are those of ELSED.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Parameters {
-    /// Smallest gradient magnitude |dx| + |dy| of a 3 x 3 Sobel filter, 1 to 2040.
+    /// Smallest gradient magnitude |dx| + |dy| of a 3 x 3 Sobel filter that is an edge, 1 to 2040.
     pub gradient_threshold: u16,
-    /// How much an anchor's magnitude must exceed those of its neighbours across the edge, 0 to 2040.
+    /// Smallest difference between an anchor's magnitude and those of its neighbours across the edge, 0 to 2040.
     pub anchor_threshold: u16,
-    /// Pixels of the first fit of a line, 8 to 15: segments are about as long at least. Small images need
-    /// small windows.
+    /// Window of the first line fit, 8 to 15 pixels: about the smallest segment length. Small images need small windows.
     pub min_length: u8,
     /// Whether lines jump gaps of up to 9 pixels.
     pub jump: bool,
-    /// Whether segments whose gradients point elsewhere are dropped.
+    /// Whether segments are dropped whose gradients do not point across them.
     pub validate: bool,
 }
 

@@ -15,11 +15,11 @@ pub struct Segment {
     pub x2: f32,
     /// y of the second end.
     pub y2: f32,
-    /// Number of its pixels whose gradient points across it (without validation: of its pixels).
+    /// Number of pixels whose gradient points across the segment; without validation, number of pixels.
     pub score: u32,
 }
 
 impl Segment {
-    /// For buffers.
+    /// Initial value of buffers.
     pub const EMPTY: Self = Self { x1: 0.0, y1: 0.0, x2: 0.0, y2: 0.0, score: 0 };
 }

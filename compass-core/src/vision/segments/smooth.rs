@@ -1,18 +1,17 @@
-//! Gaussian smoothing: 5 x 5, sigma 1, in integers.
+//! Gaussian smoothing, 5 x 5 pixels, sigma 1 pixel, in integers.
 
 use crate::base::raster::GrayImage;
 
-/// Weights of the pixels two aside, one aside and in the middle, in 1/128: a Gaussian of sigma 1.
+/// Kernel weights at distance 2, 1 and 0, in 1/128 of the sum: a Gaussian of sigma 1.
 const WEIGHTS: [u16; 3] = [7, 31, 52];
 
-/// Smooths row `y` of `image` into `out`, the border mirrored without repeating the edge pixel.
+/// Smooths row `y` of `image` into `out`; the border is reflected without repeating the edge pixel.
 ///
-/// The result is within one gray level of the exact sum rounded, and mostly equal. `column` is scratch of the image's
-/// width.
+/// The result is within one gray level of the exact, rounded sum. `column` is scratch of the image's width.
 #[inline(always)]
 pub(super) fn smooth_row(image: &GrayImage<'_>, y: usize, column: &mut [u16], out: &mut [u8]) {
     let height = image.height() as usize;
-    let row = |offset: isize| image.row(mirror(y as isize + offset, height));
+    let row = |offset: isize| image.row(mirror(y.cast_signed() + offset, height));
     let rows = [row(-2), row(-1), row(0), row(1), row(2)];
     let width = out.len().min(column.len());
     let [a, b, c, d, e] = rows.map(|r| r.get(..width).unwrap_or(&[]));
@@ -21,7 +20,7 @@ pub(super) fn smooth_row(image: &GrayImage<'_>, y: usize, column: &mut [u16], ou
         let [a, b, c, d, e] = [a, b, c, d, e].map(|p| u16::from(*p));
         *sum = w0 * (a + e) + w1 * (b + d) + w2 * c;
     }
-    let column = &column[..width];
+    let column = column.get(..width).unwrap_or_default();
     let inner = out.get_mut(2..width.saturating_sub(2)).unwrap_or(&mut []);
     let window = |k: usize| column.get(k..).unwrap_or(&[]);
     for (((((out, a), b), c), d), e) in
@@ -30,7 +29,7 @@ pub(super) fn smooth_row(image: &GrayImage<'_>, y: usize, column: &mut [u16], ou
         *out = weigh([*a, *b, *c, *d, *e]);
     }
     for x in (0..width.min(2)).chain(width.saturating_sub(2).max(2)..width) {
-        let at = |offset: isize| column.get(mirror(x as isize + offset, width)).copied().unwrap_or(0);
+        let at = |offset: isize| column.get(mirror(x.cast_signed() + offset, width)).copied().unwrap_or(0);
         if let Some(out) = out.get_mut(x) {
             *out = weigh([at(-2), at(-1), at(0), at(1), at(2)]);
         }
@@ -39,9 +38,13 @@ pub(super) fn smooth_row(image: &GrayImage<'_>, y: usize, column: &mut [u16], ou
 
 /// Rounds the weighted sum of five column sums (at most 128 * 255) to a pixel.
 ///
-/// Each product keeps its upper 16 bits: eight lanes in a vector. The fractions lost, 3/128 of a level at most, are made
-/// good in the mean.
+/// Each product keeps its upper 16 bits, so that eight lanes fit a vector of 128 bits. The truncation, at most 3/128 of a
+/// level, is compensated in the mean.
 #[inline(always)]
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "the weights sum to 128, so that the mean of gray levels is at most 255"
+)]
 fn weigh([a, b, c, d, e]: [u16; 5]) -> u8 {
     const fn product(sum: u16, weight: u16) -> u16 {
         ((sum as u32 * ((weight as u32) << 9)) >> 16) as u16
@@ -50,12 +53,12 @@ fn weigh([a, b, c, d, e]: [u16; 5]) -> u8 {
     ((product(a + e, w0) + product(b + d, w1) + product(c, w2) + 64 + 1) >> 7) as u8
 }
 
-/// The index within `0..length` that mirrors `index`, the edge itself not repeated.
+/// Reflects an index into `0..length`, without repeating the edge.
 fn mirror(index: isize, length: usize) -> usize {
-    let last = length as isize - 1;
+    let last = length.cast_signed() - 1;
     let index = index.abs();
     let index = if index > last { 2 * last - index } else { index };
-    index.clamp(0, last.max(0)) as usize
+    index.clamp(0, last.max(0)).cast_unsigned()
 }
 
 #[cfg(test)]
@@ -97,7 +100,7 @@ mod tests {
                         sum += wu * wv * u32::from(pixels[at]);
                     }
                 }
-                // 3/128 of a level is lost at most, 1/128 added.
+                // Truncation subtracts at most 3/128 of a level, the compensation adds 1/128.
                 let exact = f64::from(sum) / 65_536.0;
                 prop_assert!((f64::from(*p) - exact).abs() <= 0.5 + 2.0 / 128.0, "{} {}", p, exact);
             }

@@ -10,7 +10,7 @@ struct Buffers {
 
 impl Buffers {
     fn new(width: u32, height: u32) -> Self {
-        // Left-overs of an earlier frame must not matter.
+        // Initial contents must be ignored.
         Self {
             cells: std::vec![0x5a5a; pixels(width, height)],
             smoothed: std::vec![77; pixels(width, height)],
@@ -28,10 +28,10 @@ fn find(
     width: u32,
     height: u32,
     mask: Option<&BitMask<'_>>,
-    room: usize,
+    capacity: usize,
 ) -> (Vec<Segment>, bool) {
     let image = GrayImage::new(pixels, width, height).unwrap();
-    let mut found = std::vec![Segment::default(); room];
+    let mut found = std::vec![Segment::default(); capacity];
     let mut buffers = Buffers::new(width, height);
     let detected =
         detect(&image, mask, &Parameters::default(), &mut buffers.workspace(), &mut found).unwrap();
@@ -64,7 +64,7 @@ fn a_rectangle_has_four_sides() {
 }
 
 #[test]
-fn the_mask_keeps_segments_out() {
+fn no_segment_lies_outside_the_mask() {
     let image = rectangle(160, 120, [40, 30, 120, 90]);
     let mut bits = std::vec![0_u8; BitMask::row_bytes(160) * 120];
     for y in 0..120 {
@@ -77,7 +77,7 @@ fn the_mask_keeps_segments_out() {
 }
 
 #[test]
-fn flat_and_tiny_images_have_none() {
+fn flat_and_tiny_images_have_no_segment() {
     for (width, height) in [(1, 1), (2, 2), (3, 3), (4, 1), (1, 60), (16, 16), (65, 3)] {
         for level in [0, 255] {
             let (found, truncated) = find(&std::vec![level; pixels(width, height)], width, height, None, 4);
@@ -87,16 +87,16 @@ fn flat_and_tiny_images_have_none() {
 }
 
 #[test]
-fn a_full_list_is_reported() {
+fn a_full_list_sets_truncated() {
     let image = rectangle(160, 120, [40, 30, 120, 90]);
-    for room in 0..4 {
-        let (found, truncated) = find(&image, 160, 120, None, room);
-        assert!(found.len() == room && truncated, "{room}");
+    for capacity in 0..4 {
+        let (found, truncated) = find(&image, 160, 120, None, capacity);
+        assert!(found.len() == capacity && truncated, "{capacity}");
     }
 }
 
 #[test]
-fn refuses_what_does_not_fit() {
+fn rejects_sizes_that_do_not_match() {
     let image = rectangle(64, 64, [8, 8, 40, 40]);
     let view = GrayImage::new(&image, 64, 64).unwrap();
     let p = Parameters::default();
@@ -112,13 +112,13 @@ fn refuses_what_does_not_fit() {
 }
 
 #[test]
-fn the_workspace_is_a_little_above_three_bytes_a_pixel() {
+fn workspace_takes_3_bytes_per_pixel() {
     let bytes = workspace_bytes(1472, 1440) as f64 / pixels(1472, 1440) as f64;
     assert!((3.0..3.1).contains(&bytes), "{bytes}");
     assert!(workspace_bytes(368, 360) < 430_000);
 }
 
-/// Images that are hard on the drawing: noise of some contrast, or stripes of some period and slant.
+/// Images with dense edges: noise of varied contrast, stripes of varied period and slant, concentric rings.
 fn texture() -> impl Strategy<Value = (u32, u32, Vec<u8>)> {
     (1_u32..90, 1_u32..90, any::<u32>(), 0_u32..4, 1_u32..64).prop_map(
         |(width, height, seed, kind, scale)| {
@@ -151,7 +151,7 @@ fn texture() -> impl Strategy<Value = (u32, u32, Vec<u8>)> {
 
 proptest! {
     #[test]
-    fn segments_lie_in_the_image_whatever_it_shows((width, height, image) in texture()) {
+    fn segments_of_any_image_lie_in_it((width, height, image) in texture()) {
         let (found, _) = find(&image, width, height, None, 500);
         for s in &found {
             for (v, side) in [(s.x1, width), (s.x2, width), (s.y1, height), (s.y2, height)] {

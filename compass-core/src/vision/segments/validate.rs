@@ -1,18 +1,19 @@
-//! Validation: the gradient along a segment must point across it.
+//! Validation: a segment is kept if most of its gradients point across it.
 
 use super::cell::{INLIER, label};
 use super::growth::{Growth, Trail};
 use super::walk::{Cells, Position};
+use crate::base::num::{count_as_i32, saturate_to_u16};
 
-/// Squared sine of 0.15 rad, the angle allowed between gradient and normal.
+/// Squared sine of 0.15 rad, the largest angle between gradient and normal.
 const SIN_SQUARED: f32 = 0.022_331_76;
-/// Pixels next to the ends that are left out, at most.
+/// Upper bound of the pixels next to each end that are not tested.
 const MAX_MARGIN: usize = 5;
 
-/// Number of a segment's pixels where the gradient agrees, if they are the majority.
+/// Number of a segment's pixels whose gradient points across it; `None` unless they are the majority.
 pub(super) fn score(cells: &Cells<'_>, smoothed: &[u8], growth: &Growth, trail: &Trail<'_>) -> Option<u16> {
     let line = &growth.line;
-    let margin = (line.len() / 10).min(MAX_MARGIN) as i32;
+    let margin = count_as_i32((line.len() / 10).min(MAX_MARGIN));
     let along = |p: Position| if line.steep { p.y } else { p.x };
     let ends = [along(growth.head[0]), along(growth.tail[0])];
     let slope = line.slope as f32 / 65_536.0;
@@ -29,7 +30,7 @@ pub(super) fn score(cells: &Cells<'_>, smoothed: &[u8], growth: &Growth, trail: 
         agree += u32::from(ok);
         differ += u32::from(!ok);
     }
-    (agree > differ).then_some(agree.min(u32::from(u16::MAX)) as u16)
+    (agree > differ).then_some(saturate_to_u16(agree))
 }
 
 /// Gradient along and across the main axis at integer coordinate `u` and cross coordinate `v` (1/65536 px),
@@ -42,9 +43,9 @@ fn gradient_on(smoothed: &[u8], cells: &Cells<'_>, steep: bool, u: i32, v: i32) 
     let part = v & 0xffff;
     let at = |du: isize, dv: isize| {
         let index = corner + du * step_u + dv * step_v;
-        smoothed.get(index as usize).copied().map_or(0, i32::from)
+        smoothed.get(index.cast_unsigned()).copied().map_or(0, i32::from)
     };
-    // Rows of three along u at four places across.
+    // Three samples along u at four positions across.
     let row = |dv: isize| (at(0, dv), at(1, dv), at(2, dv));
     let rows = [row(0), row(1), row(2), row(3)];
     let difference = rows.map(|(a, _, c)| c - a);
@@ -52,7 +53,7 @@ fn gradient_on(smoothed: &[u8], cells: &Cells<'_>, steep: bool, u: i32, v: i32) 
     let du0 = difference[0] + 2 * difference[1] + difference[2];
     let du1 = difference[1] + 2 * difference[2] + difference[3];
     let (dv0, dv1) = (sum[2] - sum[0], sum[3] - sum[1]);
-    // 1020 * 65536 fits.
+    // Products of at most 1020 * 65536 fit.
     let mix = |a: i32, b: i32| ((a << 8) + ((b - a) * (part >> 8))) as f32;
     (mix(du0, du1), mix(dv0, dv1))
 }

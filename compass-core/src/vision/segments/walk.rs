@@ -1,6 +1,7 @@
 //! One step along an edge.
 
 use super::cell::strength;
+use crate::base::num::index_of;
 
 /// A pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -12,16 +13,16 @@ pub(super) struct Position {
 impl Position {
     #[inline(always)]
     pub(super) const fn packed(self) -> u32 {
-        (self.y as u32) << 16 | self.x as u32
+        self.y.cast_unsigned() << 16 | self.x.cast_unsigned()
     }
 
     #[inline(always)]
     pub(super) const fn unpacked(packed: u32) -> Self {
-        Self { x: (packed & 0xffff) as i32, y: (packed >> 16) as i32 }
+        Self { x: (packed & 0xffff).cast_signed(), y: (packed >> 16).cast_signed() }
     }
 }
 
-/// Cells of the whole image; outside it they read as 0, where every walk ends.
+/// Cells of the whole image; cells outside are read as 0, which ends a walk.
 #[derive(Debug)]
 pub(super) struct Cells<'a> {
     pub(super) cells: &'a mut [u16],
@@ -32,7 +33,7 @@ pub(super) struct Cells<'a> {
 impl Cells<'_> {
     #[inline(always)]
     pub(super) fn index(&self, p: Position) -> usize {
-        (p.y * self.width + p.x) as usize
+        index_of(p.y * self.width + p.x)
     }
 
     #[inline(always)]
@@ -58,7 +59,7 @@ impl Cells<'_> {
     }
 }
 
-/// A walker: where it stands and by which step it came there (each component -1, 0 or 1).
+/// Position of a walk and its last step (each component -1, 0 or 1).
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Walker {
     pub(super) at: Position,
@@ -67,7 +68,7 @@ pub(super) struct Walker {
 }
 
 impl Walker {
-    /// Goes to the strongest neighbour onward along an edge that is `vertical` here; returns its cell.
+    /// Steps to the strongest neighbour ahead, along an edge that is `vertical` here; returns its cell.
     #[inline(always)]
     pub(super) fn advance(&mut self, cells: &Cells<'_>, vertical: bool) -> u16 {
         let here = cells.index(self.at);
@@ -76,14 +77,14 @@ impl Walker {
 
     #[inline(always)]
     fn advance_columns(&mut self, cells: &Cells<'_>, here: usize) -> u16 {
-        let width = cells.width as usize;
+        let width = index_of(cells.width);
         if self.dx != 0 {
             let ahead = here.wrapping_add_signed(self.dx as isize);
             let all =
                 [cells.at(ahead.wrapping_sub(width)), cells.at(ahead), cells.at(ahead.wrapping_add(width))];
             self.dy = sideways(all);
         } else {
-            // Arrived along a column: turn, keeping the sense of y.
+            // The last step was along y: turn, keeping the sign of dy.
             let ahead = here.wrapping_add_signed((self.dy * cells.width) as isize);
             let (left, right) = (cells.at(ahead.wrapping_sub(1)), cells.at(ahead.wrapping_add(1)));
             self.dx = if strength(left) > strength(right) { -1 } else { 1 };
@@ -93,7 +94,7 @@ impl Walker {
 
     #[inline(always)]
     fn advance_rows(&mut self, cells: &Cells<'_>, here: usize) -> u16 {
-        let width = cells.width as usize;
+        let width = index_of(cells.width);
         if self.dy != 0 {
             let ahead = here.wrapping_add_signed((self.dy * cells.width) as isize);
             let all = [cells.at(ahead.wrapping_sub(1)), cells.at(ahead), cells.at(ahead.wrapping_add(1))];
@@ -112,14 +113,14 @@ impl Walker {
         cells.get(self.at)
     }
 
-    /// The direction to go on in along an edge, in the sense of the last step.
+    /// The unit step along an edge, with the signs of the last step.
     pub(super) const fn onward(&self, vertical: bool) -> (i8, i8) {
         let (dx, dy) = (if self.dx > 0 { 1 } else { -1 }, if self.dy > 0 { 1 } else { -1 });
         if vertical { (0, dy) } else { (dx, 0) }
     }
 }
 
-/// -1, 0 or 1: which of three cells to take; an outer one only if it beats both others.
+/// Offset, -1, 0 or 1, of the strongest of three cells; an outer one must exceed both others.
 #[inline(always)]
 fn sideways([one, straight, other]: [u16; 3]) -> i32 {
     let [one, straight, other] = [strength(one), strength(straight), strength(other)];

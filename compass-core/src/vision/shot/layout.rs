@@ -8,8 +8,9 @@ use nalgebra::{Matrix3, Vector3};
 pub(super) const MAGIC: [u8; 8] = *b"CMPSSHOT";
 pub(super) const VERSION: u32 = 1;
 
-/// Words of a camera, and of all of the header.
+/// Words of a camera.
 const VIEW_WORDS: usize = 22;
+/// Words of the header.
 const WORDS: usize = 9 + 2 * VIEW_WORDS + 1;
 pub(super) const HEADER_BYTES: usize = 4 * WORDS;
 
@@ -17,7 +18,7 @@ const KANNALA_BRANDT: u32 = 1;
 const EUCM: u32 = 2;
 const EQUIDISTANT: u32 = 3;
 
-/// The header's words.
+/// The words of a header.
 pub(super) struct Words([u32; WORDS]);
 
 impl Words {
@@ -37,6 +38,7 @@ impl Words {
         bytes
     }
 
+    #[expect(clippy::cast_possible_truncation, reason = "the two halves of the time stamp")]
     pub(super) fn new(header: &Header) -> Self {
         let mut words = Self([0; WORDS]);
         let Self([m0, m1, version, low, high, x, y, z, height, views @ .., _]) = &mut words;
@@ -57,7 +59,7 @@ impl Words {
         words
     }
 
-    /// What the words say.
+    /// Decodes the words.
     pub(super) fn header(&self) -> Result<Header, ShotError> {
         let Self([_, _, version, low, high, x, y, z, height, views @ .., crc]) = self;
         if *version != VERSION {
@@ -79,7 +81,7 @@ impl Words {
         })
     }
 
-    /// The checksum of all words but the last.
+    /// The checksum of all words except the last.
     fn checksum(&self) -> u32 {
         let bytes = self.to_bytes();
         let summed = bytes.split_last_chunk::<4>().map_or(&[][..], |(summed, _)| summed);
@@ -117,6 +119,8 @@ fn view(words: &[u32; VIEW_WORDS]) -> Result<Option<View>, ShotError> {
     if *size == 0 {
         return Ok(None);
     }
+    let [w0, w1, h0, h1] = size.to_le_bytes();
+    let [width, height] = [[w0, w1], [h0, h1]].map(u16::from_le_bytes);
     let [fx, fy, cx, cy, k1, k2, k3, k4, place @ ..] = floats.map(f32::from_bits);
     let intrinsics = Intrinsics { fx, fy, cx, cy };
     let camera = match *lens {
@@ -129,6 +133,6 @@ fn view(words: &[u32; VIEW_WORDS]) -> Result<Option<View>, ShotError> {
     Ok(Some(View {
         rotation: Matrix3::new(a, b, c, d, e, f, g, h, i),
         position: Vector3::new(x, y, z),
-        ..View::new(camera.map_err(ShotError::Camera)?, *size as u16, (*size >> 16) as u16)
+        ..View::new(camera.map_err(ShotError::Camera)?, width, height)
     }))
 }

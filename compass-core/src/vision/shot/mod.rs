@@ -1,34 +1,33 @@
-//! What the cameras of a rig took at one moment, as bytes: frames, masks of what is red, lenses, and how the rig is
-//! carried.
+//! A shot: the frames of a rig at one instant as a byte format, with exclusion masks, lenses, up vector and camera height.
 //!
-//! All that a board needs beside the [site](crate::map::site), read in place. Of the colours only red matters, so that
-//! frames are gray, with a mask of a bit a pixel.
+//! It is all the input that a board needs beside the [site](crate::map::site), and is read in place. Frames are gray; of
+//! the colours only red is used, as a mask of one bit per pixel.
 //!
 //! # Format, version 1
-//! Little-endian. Words of 4 bytes, floats as `f32`; what a camera does not have is 0.
+//! Little-endian words of 4 bytes, floats as `f32`; absent values are 0.
 //!
 //! | word | field |
 //! |---:|---|
 //! | 0, 1 | magic `CMPSSHOT` |
 //! | 2 | version |
 //! | 3, 4 | time in nanoseconds, signed |
-//! | 5 to 7 | roughly up, in camera 0, of any length but 0 |
-//! | 8 | height of camera 0 above the floor in metres, 0 if it is not told |
+//! | 5 to 7 | approximate up vector in camera 0, of any length above 0 |
+//! | 8 | height of camera 0 above the floor in metres, 0 if unknown |
 //! | 9 to 30 | camera 0 |
 //! | 31 to 52 | camera 1 |
 //! | 53 | CRC-32 of the words before |
 //!
 //! | word of a camera | field |
 //! |---:|---|
-//! | 0 | width in pixels, and 65536 times the height; 0 if there is no such camera |
+//! | 0 | width in pixels + 65536 times the height; 0 if the rig lacks the camera |
 //! | 1 | lens: 1 [`KannalaBrandt`], 2 [`Eucm`], 3 [`Equidistant`] |
 //! | 2 to 5 | fx, fy, cx, cy |
 //! | 6 to 9 | k1 to k4, or alpha and beta |
-//! | 10 to 18 | the rotation of its bearings into camera 0, row by row |
-//! | 19 to 21 | its position in camera 0, metres |
+//! | 10 to 18 | rotation of its bearings into camera 0, row by row |
+//! | 19 to 21 | position in camera 0, metres |
 //!
-//! Then for each camera its gray levels, row by row from the top, and its mask in the layout of [`BitMask`]; at last a
-//! CRC-32 of everything before it.
+//! The header is followed by the gray levels of each camera, row by row from the top, and its mask in the layout of
+//! [`BitMask`]; the last 4 bytes are the CRC-32 of all bytes before them.
 
 mod layout;
 mod write;
@@ -45,30 +44,30 @@ use layout::{HEADER_BYTES, Words};
 #[cfg(doc)]
 use crate::vision::camera::{Equidistant, Eucm, KannalaBrandt};
 
-/// Why bytes are no shot, or one could not be written.
+/// Error of reading or writing a shot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum ShotError {
-    /// The bytes do not begin with the magic of a shot.
+    /// The bytes do not start with the magic of a shot.
     Magic,
-    /// The shot was written in this other version of the format.
+    /// The format version is this one, not the supported one.
     Version(u32),
     /// The checksum of the header does not match it.
     HeaderChecksum,
-    /// The up vector is not finite, or 0.
+    /// The up vector is 0 or not finite.
     Up,
     /// The height of the camera is outside [`HEIGHTS_M`].
     Height,
-    /// A camera has a lens of this unknown number.
+    /// The number of a camera's lens model is unknown.
     Lens(u32),
-    /// A lens or the rig cannot be used.
+    /// A lens or the rig is invalid.
     Camera(CameraError),
-    /// An image is not of the size that its view says, or is of a camera that the rig does not have, or missing.
+    /// An image is missing, differs in size from its view, or belongs to a camera that the rig lacks.
     Image,
-    /// The number of bytes is not what the header asks for.
+    /// The number of bytes differs from that of the header.
     Length,
-    /// The checksum of the whole does not match.
+    /// The checksum of the whole shot does not match.
     Checksum,
 }
 
@@ -81,13 +80,13 @@ impl fmt::Display for ShotError {
             Self::Up => f.write_str("shot up vector is 0 or not finite"),
             Self::Height => {
                 let [least, most] = HEIGHTS_M;
-                write!(f, "shot camera height is not {least} to {most} m")
+                write!(f, "shot camera height is outside {least} to {most} m")
             }
             Self::Lens(number) => write!(f, "shot lens number {number} is unknown"),
             Self::Camera(error) => error.fmt(f),
-            Self::Image => f.write_str("shot images are not those of the rig's cameras"),
+            Self::Image => f.write_str("shot images do not match the rig's cameras"),
             Self::Length => f.write_str(
-                "shot length does not match its header: the file is truncated or has more behind it",
+                "shot length does not match its header: the file is truncated or has trailing bytes",
             ),
             Self::Checksum => f.write_str("shot checksum does not match: the file is damaged"),
         }
@@ -96,14 +95,14 @@ impl fmt::Display for ShotError {
 
 impl core::error::Error for ShotError {}
 
-/// What a shot says beside its images.
+/// Metadata of a shot: all but its images.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Header {
-    /// When, in nanoseconds since anything.
+    /// Time stamp, nanoseconds since an arbitrary epoch.
     pub time_ns: i64,
-    /// The cameras, for images of the size that these have.
+    /// The cameras, at the resolution of the images.
     pub rig: Rig,
-    /// Roughly up, in camera 0; not of length 1.
+    /// Approximate up vector in camera 0, of any length above 0.
     pub up: Bearing,
     /// Height of camera 0 above the floor in metres, within [`HEIGHTS_M`], if it is known.
     pub height_m: Option<f32>,
@@ -111,7 +110,6 @@ pub struct Header {
 
 impl Header {
     fn check(&self) -> Result<(), ShotError> {
-        // Of a length that is not finite or 0 nothing is left to point.
         let length = self.up.norm_squared();
         if !(length > 0.0 && length.is_finite()) {
             return Err(ShotError::Up);
@@ -122,10 +120,10 @@ impl Header {
     }
 }
 
-/// Gray levels, and where the image is red.
+/// Gray levels, and the mask of red pixels.
 pub type Image<'a> = (GrayImage<'a>, BitMask<'a>);
 
-/// What the cameras took, borrowed from memory, a mapped file or flash.
+/// A shot, borrowed from memory, a mapped file or flash.
 #[derive(Debug, Clone, Copy)]
 pub struct Shot<'a> {
     bytes: &'a [u8],
@@ -134,11 +132,11 @@ pub struct Shot<'a> {
 }
 
 impl<'a> Shot<'a> {
-    /// Views bytes as a shot. Checks all that is needed to read it, but of the checksums only the header's;
-    /// [`Shot::verify`] checks the rest.
+    /// Views bytes as a shot. Validates length and header, including the header's checksum; [`Shot::verify`] checks that of
+    /// the whole.
     ///
     /// # Errors
-    /// [`ShotError`] names the field that is wrong.
+    /// [`ShotError`] names the invalid field.
     pub fn new(bytes: &'a [u8]) -> Result<Self, ShotError> {
         if !bytes.starts_with(&layout::MAGIC) {
             let short = bytes.len() < layout::MAGIC.len() && layout::MAGIC.starts_with(bytes);
@@ -152,7 +150,7 @@ impl<'a> Shot<'a> {
             let image = image(&mut rest, view.width.into(), view.height.into()).ok_or(ShotError::Length)?;
             images.get_mut(number).ok_or(ShotError::Image)?.replace(image);
         }
-        // Behind the images is the checksum of all.
+        // The rest is the checksum of the whole.
         if rest.len() == size_of::<u32>() {
             Ok(Self { bytes, header, images })
         } else {
@@ -160,7 +158,7 @@ impl<'a> Shot<'a> {
         }
     }
 
-    /// Compares the checksum of the whole with the bytes (reads everything).
+    /// Verifies the checksum of the whole shot; reads all bytes.
     ///
     /// # Errors
     /// [`ShotError::Checksum`].
@@ -169,20 +167,20 @@ impl<'a> Shot<'a> {
         if CRC32.checksum(body) == u32::from_le_bytes(*crc) { Ok(()) } else { Err(ShotError::Checksum) }
     }
 
-    /// What it says beside its images.
+    /// The metadata.
     #[must_use]
     pub const fn header(&self) -> &Header {
         &self.header
     }
 
-    /// The image of each camera that the rig has.
+    /// The images by camera number; `None` for a camera that the rig lacks.
     #[must_use]
     pub const fn images(&self) -> &[Option<Image<'a>>; 2] {
         &self.images
     }
 }
 
-/// Takes an image off the front.
+/// Splits an image off the front of the bytes.
 fn image<'a>(bytes: &mut &'a [u8], width: u32, height: u32) -> Option<Image<'a>> {
     let pixels = width.checked_mul(height)?;
     let (gray, rest) = bytes.split_at_checked(usize::try_from(pixels).ok()?)?;

@@ -23,7 +23,7 @@ fn rig() -> Rig {
     let front = KannalaBrandt::new(intrinsics(4.0), [0.024, -0.01, -0.002, 0.0002]).unwrap();
     let back = Eucm::new(intrinsics(5.0), 0.6, 1.1).unwrap();
     let view = |camera| View::new(camera, WIDTH as u16, HEIGHT as u16);
-    // A quarter of a turn, so that rows and columns of the rotation differ.
+    // A quarter turn: the matrix differs from its transpose.
     let back = View {
         rotation: Matrix3::new(0.0, -1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0),
         position: Vector3::new(0.001, -0.002, -0.04),
@@ -36,7 +36,7 @@ fn header() -> Header {
     Header { time_ns: -5_000_000_001, rig: rig(), up: Bearing::new(0.0, 2.0, 0.1), height_m: Some(1.6) }
 }
 
-/// Gray levels and mask bits that differ from place to place.
+/// Gray levels and mask bits that vary over the image.
 fn pixels(seed: u8) -> (Vec<u8>, Vec<u8>) {
     let gray = (0..WIDTH * HEIGHT).map(|at| seed.wrapping_add((at as u8).wrapping_mul(3))).collect();
     let mask = (0..2 * HEIGHT).map(|at| seed.wrapping_mul(at as u8 + 1) & 0x1f).collect();
@@ -55,27 +55,27 @@ fn shot() -> Vec<u8> {
     bytes
 }
 
-/// Makes the header's checksum right again.
+/// Recomputes the header's checksum.
 fn seal(bytes: &mut [u8]) {
     let crc = CRC32.checksum(&bytes[..HEADER_BYTES - 4]);
     bytes[HEADER_BYTES - 4..HEADER_BYTES].copy_from_slice(&crc.to_le_bytes());
 }
 
 #[test]
-fn what_was_written_is_read() {
+fn shots_round_trip() {
     let bytes = shot();
     let shot = Shot::new(&bytes).unwrap();
     shot.verify().unwrap();
     assert_eq!(*shot.header(), header());
     for (image, (gray, mask)) in shot.images().iter().zip([pixels(7), pixels(90)]) {
-        let (seen, red) = image.unwrap();
+        let (seen, mask_seen) = image.unwrap();
         assert_eq!(seen.pixels(), gray);
-        assert!((0..HEIGHT).all(|y| (0..2).all(|x| red.byte(x, y) == mask[(2 * y + x) as usize])));
+        assert!((0..HEIGHT).all(|y| (0..2).all(|x| mask_seen.byte(x, y) == mask[(2 * y + x) as usize])));
     }
 }
 
 #[test]
-fn one_camera_and_no_height_are_enough() {
+fn one_camera_without_a_height_round_trips() {
     let view = *rig().view(1).unwrap();
     let header = Header { rig: Rig::new([None, Some(view)]).unwrap(), height_m: None, ..header() };
     let data = pixels(1);
@@ -89,7 +89,7 @@ fn one_camera_and_no_height_are_enough() {
 }
 
 #[test]
-fn every_truncation_and_every_flipped_byte_is_refused() {
+fn every_truncation_and_every_damaged_byte_is_rejected() {
     let bytes = shot();
     for len in 0..bytes.len() {
         assert_eq!(Shot::new(&bytes[..len]).unwrap_err(), ShotError::Length, "{len} bytes");
@@ -104,7 +104,7 @@ fn every_truncation_and_every_flipped_byte_is_refused() {
 }
 
 #[test]
-fn damage_behind_a_right_checksum_is_named() {
+fn invalid_fields_with_a_valid_checksum_are_named() {
     let bytes = shot();
     let nan = f32::NAN.to_bits();
     for (word, value, error) in [

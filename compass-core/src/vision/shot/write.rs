@@ -4,7 +4,7 @@ use super::layout::{HEADER_BYTES, Words};
 use super::{Header, Image, ShotError};
 use crate::base::crc::{Sink, Summed};
 
-/// Images that make a shot, ready to be written.
+/// Metadata and images of a shot, checked and ready to be written.
 #[derive(Debug, Clone, Copy)]
 pub struct Writer<'a> {
     header: Header,
@@ -12,7 +12,7 @@ pub struct Writer<'a> {
 }
 
 impl<'a> Writer<'a> {
-    /// Checks that the images are those of the header's rig.
+    /// Checks the metadata, and the images against the rig: one per camera, of the size of its view.
     ///
     /// # Errors
     /// [`ShotError::Image`], [`ShotError::Up`], [`ShotError::Height`].
@@ -29,7 +29,7 @@ impl<'a> Writer<'a> {
         Ok(Self { header: *header, images })
     }
 
-    /// Bytes of the whole shot, to the `usize` that it saturates at.
+    /// Bytes of the whole shot, saturating at `usize::MAX`.
     #[must_use]
     pub fn shot_bytes(&self) -> usize {
         let ends = HEADER_BYTES + size_of::<u32>();
@@ -40,10 +40,10 @@ impl<'a> Writer<'a> {
         bytes.fold(ends, usize::saturating_add)
     }
 
-    /// Writes the shot and gives the sink back.
+    /// Writes the shot and returns the sink.
     ///
     /// # Errors
-    /// What the sink reports.
+    /// The error of the sink.
     pub fn write<S: Sink>(&self, sink: S) -> Result<S, S::Error> {
         let mut out = Summed::new(sink);
         out.append(&Words::new(&self.header).to_bytes())?;

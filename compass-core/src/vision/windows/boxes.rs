@@ -1,42 +1,21 @@
-//! Boxes: pairs of edges, scored as windows by what lies between and beside them.
+//! Boxes: pairs of edges, scored as windows by cues inside and beside them.
 
 use super::edges::{Edge, FINE};
-use crate::base::num::{LogOdds, LogWeight, log_odds};
+use super::tuning::{
+    BIAS, BOX_KNOWN_TENTHS, CONTRAST, FLANK_EIGHTHS, FLANK_KNOWN_TENTHS, HIGH_DEG, INSIDE_HALVES, LEAST_ROWS,
+    LINTEL, LOW_DEG, NARROW_HALVES, NARROW_LOG2, NARROWEST_DEG, NAT, OUTSIDE_HALVES, SHARED_DEG, TEXTURE,
+    WIDE_HALVES, WIDE_LOG2,
+};
+use crate::base::num::{LogOdds, LogWeight, count_as_i32, index_of, log_odds};
 use crate::vision::panorama::{Resolution, TOP_DEG};
 use bytemuck::{Pod, Zeroable};
 
-/// Narrowest and widest window, degrees.
-const NARROWEST_DEG: usize = 1;
-pub(super) const WIDEST_DEG: usize = 60;
-/// Heights that two edges share: at least half of the shorter, and at least 2 degrees.
-const SHARED_DEG: i32 = 2;
-/// A window reaches above this elevation and below [`LOW_DEG`].
-const HIGH_DEG: i32 = 1;
-const LOW_DEG: i32 = 10;
-/// Flanks are half as wide as the box, within these bounds in eighths of a degree.
-const FLANK_EIGHTHS: [usize; 2] = [12, 32];
-/// Rows searched for lintel and sill: 3 degrees outside the edges' common part, 1.5 inside.
-const OUTSIDE_HALVES: usize = 6;
-const INSIDE_HALVES: usize = 3;
-/// Columns measured of a box or of a flank, at most.
+/// Largest number of columns sampled of a box or of a flank.
 const MOST_COLUMNS: usize = 32;
-/// Rows searched at most: those of the finest ring.
+/// Largest number of rows searched for lintel or sill, at the finest resolution.
 const MOST_ROWS: usize = (OUTSIDE_HALVES + INSIDE_HALVES) * 4 / 2;
 
-/// Bits of a score of 1 nat; octaves of shapes count in as many parts.
-const NAT: i32 = LogWeight::ONE.to_bits();
-/// Weights of the cues, in nats; how they were fitted is told in `docs/design.md`.
-const LINTEL: i32 = 4;
-const CONTRAST: i32 = 2;
-const TEXTURE: i32 = 8;
-const BIAS: LogWeight = LogWeight::lit("-3.75");
-/// Penalties, in halves of a nat per octave, of shapes wider than 2^-0.8 and narrower than 1/4 of their height.
-const WIDE_HALVES: i32 = 3;
-const NARROW_HALVES: i32 = 4;
-/// Boxes below this score are forgotten.
-pub(super) const LEAST_SCORE: LogOdds = LogOdds::lit("-4");
-
-/// A box on the ring: columns `start..end` (`end` may lie beyond the last column: the ring goes round), rows
+/// A box in the panorama: columns `start..end` (`end` may exceed the number of columns: azimuth wraps), rows
 /// `top..bottom`, and its score as a window.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Pod, Zeroable)]
 #[repr(C)]
@@ -46,14 +25,15 @@ pub struct WindowBox {
     pub(super) top: u16,
     pub(super) bottom: u16,
     pub(super) score: LogOdds,
-    /// The next box in a list.
+    /// Index of the next box in the list of a column.
     pub(super) next: u16,
 }
 
 impl WindowBox {
-    /// For buffers.
+    /// Initial value of buffers.
     pub const EMPTY: Self = Self { start: 0, end: 0, top: 0, bottom: 0, score: LogOdds::ZERO, next: 0 };
-    /// First column and the one after the last, clockwise; the latter may lie beyond the ring's last.
+
+    /// First column and the one after the last, clockwise; the latter may exceed the number of columns.
     #[must_use]
     pub const fn columns(&self) -> [u16; 2] {
         [self.start, self.end]
@@ -65,7 +45,7 @@ impl WindowBox {
         [self.top, self.bottom]
     }
 
-    /// Log odds that it is a window.
+    /// Log odds that the box is a window.
     #[must_use]
     pub const fn score(&self) -> LogOdds {
         self.score
@@ -76,7 +56,7 @@ impl WindowBox {
     }
 }
 
-/// The planes of a ring.
+/// The planes of a panorama.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Planes<'a> {
     pub(super) rank: &'a [u8],
@@ -84,7 +64,7 @@ pub(super) struct Planes<'a> {
     pub(super) resolution: Resolution,
 }
 
-/// Sums over a part of the planes.
+/// Sums over a region of the planes.
 #[derive(Debug, Clone, Copy, Default)]
 struct Sums {
     cells: u32,
@@ -95,6 +75,7 @@ struct Sums {
 
 impl Sums {
     /// Mean rank and texture in 1/16 of a level.
+    #[expect(clippy::cast_possible_truncation, reason = "the mean of bytes, in 1/16")]
     fn means(&self) -> (i32, i32) {
         let mean = |sum: u32| (u64::from(sum) * 16 / u64::from(self.known.max(1))) as i32;
         (mean(self.rank), mean(self.texture))
@@ -102,8 +83,8 @@ impl Sums {
 }
 
 impl Planes<'_> {
-    /// Cells of a column between two rows; columns go round, once. No remainder is taken: a division would cost more
-    /// than the cells do.
+    /// Cells of a column between two rows; `column` may be up to twice the number of columns. A conditional subtraction
+    /// wraps it, because a division would cost more than the cells.
     #[inline(always)]
     fn column<'p>(&self, plane: &'p [u8], column: usize, rows: &core::ops::Range<usize>) -> &'p [u8] {
         let columns = self.resolution.columns();
@@ -113,6 +94,7 @@ impl Planes<'_> {
     }
 
     #[inline(always)]
+    #[expect(clippy::cast_possible_truncation, reason = "a column has at most 260 rows")]
     fn sums(&self, rows: &core::ops::Range<usize>, columns: core::ops::Range<usize>) -> Sums {
         let mut sums = Sums::default();
         for column in sampled(columns) {
@@ -126,13 +108,13 @@ impl Planes<'_> {
     }
 }
 
-/// Columns that stand for a range of them: all of narrow ones, evenly spaced ones of wide ones.
+/// Columns sampled of a range: all of a narrow range, at most [`MOST_COLUMNS`] at an even stride of a wide one.
 fn sampled(columns: core::ops::Range<usize>) -> core::iter::StepBy<core::ops::Range<usize>> {
     let step = columns.len().div_ceil(MOST_COLUMNS).max(1);
     columns.step_by(step)
 }
 
-/// Sum of all cells, by sixteens and eights, which compilers turn into one instruction each.
+/// Sum of all cells, by groups of 16 and 8 that compile to one vector instruction each.
 #[inline(always)]
 fn total(cells: &[u8]) -> u32 {
     let (sixteens, rest) = cells.as_chunks::<16>();
@@ -147,6 +129,7 @@ fn total(cells: &[u8]) -> u32 {
     sum + rest.iter().map(|cell| u32::from(*cell)).sum::<u32>()
 }
 
+/// Number of unknown cells.
 #[inline(always)]
 fn unknown(cells: &[u8]) -> u32 {
     let (sixteens, rest) = cells.as_chunks::<16>();
@@ -157,10 +140,10 @@ fn unknown(cells: &[u8]) -> u32 {
     sum + rest.iter().map(|cell| u32::from(*cell == 0)).sum::<u32>()
 }
 
-/// The box between two edges, if it has the shape of a window and can be seen.
+/// The scored box between two edges; `None` if its shape is not that of a window or too much of it is unknown.
 #[inline(always)]
 pub(super) fn propose(planes: &Planes<'_>, left: &Edge, right: &Edge) -> Option<WindowBox> {
-    let per_degree = planes.resolution.per_degree() as i32;
+    let per_degree = planes.resolution.per_degree_i32();
     let round = |fine: i32| (fine + FINE / 2).div_euclid(FINE);
     let (start, end) = (round(left.x), round(right.x));
     let (top, bottom) = (left.top.max(right.top), left.bottom.min(right.bottom));
@@ -170,33 +153,35 @@ pub(super) fn propose(planes: &Planes<'_>, left: &Edge, right: &Edge) -> Option<
         || bottom - top < (shorter / 2).max(SHARED_DEG * per_degree * FINE)
         || top > row_of(HIGH_DEG)
         || bottom < row_of(LOW_DEG)
-        || end - start < NARROWEST_DEG as i32 * per_degree
+        || end - start < NARROWEST_DEG * per_degree
     {
         return None;
     }
-    let (top, bottom) = (round(top).max(0), round(bottom).min(planes.resolution.rows() as i32));
-    if bottom - top < 4 {
+    let (top, bottom) = (round(top).max(0), round(bottom).min(count_as_i32(planes.resolution.rows())));
+    if bottom - top < LEAST_ROWS {
         return None;
     }
-    scored(planes, start as usize, end as usize, top as usize, bottom as usize)
+    scored(planes, index_of(start), index_of(end), index_of(top), index_of(bottom))
 }
 
 #[inline(always)]
+#[expect(clippy::cast_possible_truncation, reason = "columns are below 2^12 and rows below 2^9")]
 fn scored(planes: &Planes<'_>, start: usize, end: usize, top: usize, bottom: usize) -> Option<WindowBox> {
     let (width, height) = (end - start, bottom - top);
     let inside = planes.sums(&(top..bottom), start..end);
-    if 10 * inside.known < 6 * inside.cells {
+    if 10 * inside.known < BOX_KNOWN_TENTHS * inside.cells {
         return None;
     }
     let (rank, texture) = inside.means();
     let (flank_rank, flank_texture) = flanks(planes, start..end, &(top..bottom))?;
     let (lintel, lintel_row) = strongest_row(planes, start..end, above(planes, top, height));
     let (sill, sill_row) = strongest_row(planes, start..end, below(planes, bottom, height));
-    let borders = (lintel + sill) as i32 * NAT / (2 * 255 * sampled(start..end).len() as i32).max(1);
+    let borders =
+        (lintel + sill).cast_signed() * NAT / (2 * 255 * count_as_i32(sampled(start..end).len())).max(1);
     let per_level = |difference: i32| difference * NAT / (255 * 16);
     let octaves = log2_ratio(width as u32, height as u32);
-    let wide = (octaves + NAT * 4 / 5).max(0);
-    let narrow = (-2 * NAT - octaves).max(0);
+    let wide = (octaves - WIDE_LOG2).max(0);
+    let narrow = (NARROW_LOG2 - octaves).max(0);
     let cues = LINTEL * borders
         + CONTRAST * per_level(rank - flank_rank)
         + TEXTURE * per_level(texture - flank_texture)
@@ -213,7 +198,7 @@ fn scored(planes: &Planes<'_>, start: usize, end: usize, top: usize, bottom: usi
     })
 }
 
-/// Mean rank beside a box, and the larger mean texture of its two sides; `None` where neither can be seen.
+/// Mean rank of the flanks of a box, and the larger mean texture of the two; `None` if both are mostly unknown.
 #[inline(always)]
 fn flanks(
     planes: &Planes<'_>,
@@ -223,13 +208,13 @@ fn flanks(
     let per_degree = planes.resolution.per_degree();
     let [least, most] = FLANK_EIGHTHS.map(|eighths| (eighths * per_degree).div_ceil(8));
     let width = columns.len().div_ceil(2).max(least).min(most);
-    // One cell of gap to the edge.
+    // Leave a gap of one cell to the edge.
     let left = columns.start + planes.resolution.columns() - 1 - width;
     let right = columns.end + 1;
-    // No closure: it would not be compiled along with this.
+    // An array, because a closure would not be inlined here.
     let sides = [planes.sums(rows, left..left + width), planes.sums(rows, right..right + width)];
     let (mut rank, mut texture, mut seen) = (0, i32::MIN, 0);
-    for side in sides.iter().filter(|side| 10 * side.known > 3 * side.cells) {
+    for side in sides.iter().filter(|side| 10 * side.known > FLANK_KNOWN_TENTHS * side.cells) {
         let (side_rank, side_texture) = side.means();
         rank += side_rank;
         texture = texture.max(side_texture);
@@ -238,21 +223,24 @@ fn flanks(
     (seen > 0).then(|| (rank / seen, texture))
 }
 
+/// Rows searched inside a box from its top and from its bottom.
 fn inner(planes: &Planes<'_>, height: usize) -> usize {
     (INSIDE_HALVES * planes.resolution.per_degree() / 2).min(height / 4)
 }
 
+/// Rows searched for the lintel.
 fn above(planes: &Planes<'_>, top: usize, height: usize) -> core::ops::Range<usize> {
     let outside = OUTSIDE_HALVES * planes.resolution.per_degree() / 2;
     top.saturating_sub(outside)..top + inner(planes, height)
 }
 
+/// Rows searched for the sill.
 fn below(planes: &Planes<'_>, bottom: usize, height: usize) -> core::ops::Range<usize> {
     let outside = OUTSIDE_HALVES * planes.resolution.per_degree() / 2;
     bottom - inner(planes, height)..(bottom + outside).min(planes.resolution.rows())
 }
 
-/// The most textured of some rows across some columns: the sum of its texture, and the row.
+/// The row with the largest texture across some columns: its sum, and the row.
 #[inline(always)]
 fn strongest_row(
     planes: &Planes<'_>,
@@ -261,7 +249,7 @@ fn strongest_row(
 ) -> (u32, usize) {
     let mut totals = [0_u16; MOST_ROWS];
     for column in sampled(columns) {
-        // 32 columns of 255 fit.
+        // The sum of 32 columns of at most 255 fits.
         for (total, cell) in totals.iter_mut().zip(planes.column(planes.texture, column, &rows)) {
             *total = total.wrapping_add(u16::from(*cell));
         }
@@ -275,21 +263,22 @@ fn strongest_row(
     (u32::from(best.0), best.1)
 }
 
-/// log2(a / b) in 1/256, within -5 to 4.
+/// log2(a / b) in 1/256, clamped to -5 to 4.
 fn log2_ratio(a: u32, b: u32) -> i32 {
     (log2(a.max(1)) - log2(b.max(1))).clamp(-5 * NAT, 4 * NAT)
 }
 
 /// log2 in 1/256, rounded down, by repeated squaring.
+#[expect(clippy::cast_possible_truncation, reason = "mantissas are below 2^16")]
 fn log2(value: u32) -> i32 {
     let whole = value.ilog2();
-    // 1 <= mantissa < 2 in 1/2^15.
+    // Q15, 1 <= mantissa < 2.
     let mut mantissa = (u64::from(value) << 15 >> whole) as u32;
-    let mut log = whole as i32;
+    let mut log = whole.cast_signed();
     for _ in 0..8 {
         mantissa = (mantissa * mantissa) >> 15;
         let bit = mantissa >> 16;
-        log = 2 * log + bit as i32;
+        log = 2 * log + bit.cast_signed();
         mantissa >>= bit;
     }
     log
@@ -300,7 +289,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn logarithms_are_within_a_256th() {
+    fn log2_is_within_a_256th() {
         for value in 1..5000_u32 {
             let exact = f64::from(value).log2() * 256.0;
             assert!((f64::from(log2(value)) - exact).abs() <= 1.05, "{value}: {} {exact}", log2(value));

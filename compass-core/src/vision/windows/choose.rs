@@ -1,32 +1,31 @@
-//! Which boxes are windows: those that do not overlap and score most together, and how sure each direction is.
+//! Choice of windows: the set of boxes without overlap of the largest total score, and log odds per column.
 
 use super::boxes::WindowBox;
+use super::tuning::MOST_EVIDENCE;
 use crate::base::num::{LogOdds, LogWeight};
 use bytemuck::{Pod, Zeroable};
 
-/// Evidence is clipped at this.
-pub(super) const MOST_EVIDENCE: LogWeight = LogWeight::lit("4");
-/// No box.
-const NOBODY: u16 = u16::MAX;
+/// Index that stands for no box.
+const NO_BOX: u16 = u16::MAX;
 
-/// What is known of one column of the ring while windows are chosen. Columns count from the cut.
+/// State of one column of the panorama in the dynamic program. Columns are counted from the cut.
 #[derive(Debug, Clone, Copy, Default, Pod, Zeroable)]
 #[repr(C)]
 pub struct Column {
-    /// Best total score of boxes that end here or before.
+    /// Largest total score of boxes that end here or before.
     before: LogWeight,
-    /// Best total score of boxes that start here or after.
+    /// Largest total score of boxes that start here or after.
     after: LogWeight,
-    /// Best total score of a choice with a box over this column; then the evidence.
+    /// Largest total score of a choice with a box over this column; then the log odds.
     evidence: LogWeight,
-    /// The box that ends here in the best choice before.
+    /// The box that ends here in the choice of [`before`](Self::before).
     chosen: u16,
-    /// First box of the list of this column.
+    /// First box of this column's list.
     list: u16,
 }
 
 impl Column {
-    /// For buffers.
+    /// Initial value of buffers.
     pub const EMPTY: Self = Self {
         before: LogWeight::ZERO,
         after: LogWeight::ZERO,
@@ -36,11 +35,11 @@ impl Column {
     };
 }
 
-/// Chooses among `boxes` around the circle of `columns.len() - 1` columns.
+/// Weighted interval scheduling of `boxes` on the circle of `columns.len() - 1` columns.
 ///
-/// The circle is cut where the boxes in favour weigh least; what crosses the cut is dropped. Then a dynamic program over
-/// columns finds the boxes of the largest total score. Returns the cut; [`chosen`] tells the boxes and
-/// [`evidence`] the log odds of a window at each column.
+/// The circle is cut at the column with the smallest sum of positive scores; boxes across the cut are dropped. A dynamic
+/// program over the columns then finds the boxes without overlap of the largest total score. Returns the cut; then
+/// [`chosen`] iterates over the boxes and [`evidence`] gives the log odds of a window at each column.
 pub(super) fn choose(boxes: &mut [WindowBox], columns: &mut [Column]) -> usize {
     let n = columns.len().saturating_sub(1);
     let cut = cut(boxes, columns);
@@ -50,7 +49,7 @@ pub(super) fn choose(boxes: &mut [WindowBox], columns: &mut [Column]) -> usize {
     };
     enlist(boxes, columns, |b| Some(place(b)).filter(|(_, end)| *end <= n).map(|(_, end)| end));
     for column in 1..=n {
-        let (mut best, mut by) = (columns.get(column - 1).map_or(LogWeight::ZERO, |c| c.before), NOBODY);
+        let (mut best, mut by) = (columns.get(column - 1).map_or(LogWeight::ZERO, |c| c.before), NO_BOX);
         each(boxes, columns.get(column), |index, b| {
             let score =
                 columns.get(place(b).0).map_or(LogWeight::ZERO, |c| c.before) + LogWeight::from(b.score);
@@ -77,10 +76,10 @@ pub(super) fn choose(boxes: &mut [WindowBox], columns: &mut [Column]) -> usize {
     cut
 }
 
-/// The first of the columns that the positive scores of all boxes over it weigh least on.
+/// The first column with the smallest sum of positive scores of the boxes over it.
 fn cut(boxes: &[WindowBox], columns: &mut [Column]) -> usize {
     let n = columns.len().saturating_sub(1).max(1);
-    columns.fill(Column { chosen: NOBODY, ..Column::default() });
+    columns.fill(Column { chosen: NO_BOX, ..Column::default() });
     let mut weight = LogWeight::ZERO;
     for b in boxes.iter().filter(|b| b.score > LogOdds::ZERO) {
         let score = LogWeight::from(b.score);
@@ -103,9 +102,9 @@ fn cut(boxes: &[WindowBox], columns: &mut [Column]) -> usize {
     least.1
 }
 
-/// Puts each box on the list of a column.
+/// Inserts each box into the list of the column `of` gives.
 fn enlist(boxes: &mut [WindowBox], columns: &mut [Column], of: impl Fn(&WindowBox) -> Option<usize>) {
-    columns.iter_mut().for_each(|column| column.list = NOBODY);
+    columns.iter_mut().for_each(|column| column.list = NO_BOX);
     for (index, b) in (0_u16..).zip(boxes) {
         if let Some(column) = of(b).and_then(|column| columns.get_mut(column)) {
             b.next = column.list;
@@ -114,15 +113,16 @@ fn enlist(boxes: &mut [WindowBox], columns: &mut [Column], of: impl Fn(&WindowBo
     }
 }
 
+/// Visits the boxes on a column's list.
 fn each(boxes: &[WindowBox], column: Option<&Column>, mut visit: impl FnMut(u16, &WindowBox)) {
-    let mut index = column.map_or(NOBODY, |c| c.list);
+    let mut index = column.map_or(NO_BOX, |c| c.list);
     while let Some(b) = boxes.get(usize::from(index)) {
         visit(index, b);
         index = b.next;
     }
 }
 
-/// Max-marginal log odds: the best choice with a box over the column less the best without.
+/// Max-marginal log odds: the largest total with a box over the column less the largest without.
 fn weigh(boxes: &[WindowBox], columns: &mut [Column], place: impl Fn(&WindowBox) -> (usize, usize)) {
     let n = columns.len().saturating_sub(1);
     columns.iter_mut().for_each(|column| column.evidence = LogWeight::MIN / 2);
@@ -149,7 +149,7 @@ fn weigh(boxes: &[WindowBox], columns: &mut [Column], place: impl Fn(&WindowBox)
     }
 }
 
-/// The boxes chosen, last first.
+/// The chosen boxes, in descending order of columns.
 pub(super) fn chosen<'a>(
     boxes: &'a [WindowBox],
     columns: &'a [Column],
@@ -167,7 +167,7 @@ pub(super) fn chosen<'a>(
     })
 }
 
-/// The log odds of a window at a column of the ring.
+/// The log odds of a window at a column of the panorama.
 pub(super) fn evidence(columns: &[Column], cut: usize, column: usize) -> LogWeight {
     let n = columns.len().saturating_sub(1).max(1);
     columns.get((column + n - cut) % n).map_or(-MOST_EVIDENCE, |c| c.evidence)
@@ -190,7 +190,7 @@ mod tests {
         cells(a) & cells(b) != 0
     }
 
-    /// The best total of boxes that do not overlap and do not cross the cut, by trying all.
+    /// The largest total score of boxes without overlap, by exhaustive search.
     fn best(boxes: &[WindowBox]) -> LogWeight {
         (0_u32..1 << boxes.len())
             .filter_map(|set| {

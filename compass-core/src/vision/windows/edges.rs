@@ -1,5 +1,9 @@
-//! Edges: near-vertical segments in the level frame, gathered where they continue each other.
+//! Edges: near-vertical segments in the level frame, grouped by azimuth.
 
+use super::tuning::{
+    EDGE_DEG, GAP_DEG, HIGHEST_DEG, LEAN, LEAN_DEG, LOWEST_DEG, MOST_LEAN, SEGMENT_DEG, SPAN_DEG,
+};
+use crate::base::num::truncate_to_i32;
 use crate::vision::camera::{Bearing, Pixel, View};
 use crate::vision::level_frame::{LevelFrame, NOMINAL_RANGE_M};
 use crate::vision::panorama::{Resolution, TOP_DEG};
@@ -8,73 +12,57 @@ use crate::vision::segments::Segment;
 use bytemuck::{Pod, Zeroable};
 use heapless::Vec;
 
-/// Fraction of a cell that positions count in.
+/// Units of position per cell.
 pub(super) const FINE: i32 = 16;
-/// A segment may lean this much: its azimuth range per elevation range (tangent of 3 degrees) ...
-const LEAN: f32 = 0.052_407_78;
-/// ... or by so many degrees, if short ...
-const LEAN_DEG: f32 = 0.3;
-/// ... but never more than this (12 degrees).
-const MOST_LEAN: f32 = 0.21;
-/// Shorter segments are no edges, degrees.
-const SEGMENT_DEG: f32 = 1.5;
-/// Segments that begin above this elevation or end below [`LOWEST_DEG`] belong to ceiling or floor.
-const HIGHEST_DEG: f32 = 12.0;
-const LOWEST_DEG: f32 = -8.0;
-/// Segments this near to the last of an edge, and this near to its first, join it; degrees.
-const GAP_DEG: f32 = 0.5;
-const SPAN_DEG: f32 = 1.0;
-/// An edge is at least so long, all its segments together, degrees.
-const EDGE_DEG: f32 = 1.5;
-/// Most edges.
+/// Capacity of the list of edges.
 pub(super) const MAX_EDGES: usize = 192;
 
-/// A near-vertical segment on the ring; positions and lengths in 1/16 cell.
+/// A near-vertical segment in the panorama; positions and length in 1/16 cell.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Pod, Zeroable)]
 #[repr(C)]
-pub struct Upright {
+pub struct VerticalSegment {
     x: i32,
     top: i32,
     bottom: i32,
     length: i32,
 }
 
-impl Upright {
-    /// For buffers.
+impl VerticalSegment {
+    /// Initial value of buffers.
     pub const EMPTY: Self = Self { x: 0, top: 0, bottom: 0, length: 0 };
 }
 
-/// A vertical line on the ring that may border a window; positions in 1/16 cell.
+/// A vertical line in the panorama that may bound a window; positions in 1/16 cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Edge {
     pub(super) x: i32,
     pub(super) top: i32,
     pub(super) bottom: i32,
-    /// Where the view ends: it has all heights, and no two of these make a window.
+    /// Whether it is the end of the view: such an edge has all rows, and no two of them make a box.
     pub(super) rim: bool,
 }
 
 impl Edge {
-    /// Its column.
+    /// Its column, in cells.
     #[must_use]
     pub fn column(&self) -> f32 {
         self.x as f32 / FINE as f32
     }
 
-    /// The rows it begins and ends at, downwards.
+    /// First and last row, in cells, downwards.
     #[must_use]
     pub fn rows(&self) -> [f32; 2] {
         [self.top, self.bottom].map(|row| row as f32 / FINE as f32)
     }
 }
 
-/// An image segment as an upright, if it is one.
-pub(super) fn upright(
+/// An image segment in the panorama; `None` if it is not near-vertical, too short, or on floor or ceiling.
+pub(super) fn vertical_segment(
     segment: &Segment,
     view: &View,
     level: &LevelFrame,
     resolution: Resolution,
-) -> Option<Upright> {
+) -> Option<VerticalSegment> {
     let degrees = 180.0 / core::f32::consts::PI;
     let end = |x, y| -> Option<(f32, f32)> {
         let bearing = view.camera.unproject(Pixel { x, y }).filter(|b| b.z > RIM_COS)?;
@@ -92,9 +80,9 @@ pub(super) fn upright(
     if !vertical || length <= SEGMENT_DEG || low >= HIGHEST_DEG || high <= LOWEST_DEG {
         return None;
     }
-    let fine = (FINE * resolution.per_degree() as i32) as f32;
-    let cells = |degrees: f32| libm::floorf(degrees * fine + 0.5) as i32;
-    Some(Upright {
+    let fine = (FINE * resolution.per_degree_i32()) as f32;
+    let cells = |degrees: f32| truncate_to_i32(libm::floorf(degrees * fine + 0.5));
+    Some(VerticalSegment {
         x: cells(180.0 - wrapped(a0 + turn * 0.5)),
         top: cells(TOP_DEG as f32 - high),
         bottom: cells(TOP_DEG as f32 - low),
@@ -102,7 +90,7 @@ pub(super) fn upright(
     })
 }
 
-/// The angle in degrees, brought to -180 to 180.
+/// The angle in degrees, wrapped to -180 to 180.
 fn wrapped(angle: f32) -> f32 {
     if angle > 180.0 {
         angle - 360.0
@@ -113,19 +101,20 @@ fn wrapped(angle: f32) -> f32 {
     }
 }
 
-/// Gathers uprights into edges, sorted by column; false if there were too many edges.
+/// Groups vertical segments into edges, sorted by column; false if there are more than [`MAX_EDGES`].
+#[expect(clippy::cast_possible_truncation, reason = "a weighted mean of `i32` values lies between them")]
 pub(super) fn gather(
-    uprights: &mut [Upright],
+    segments: &mut [VerticalSegment],
     resolution: Resolution,
     edges: &mut Vec<Edge, MAX_EDGES>,
 ) -> bool {
-    sort_by_column(uprights);
-    let fine = |degrees: f32| (degrees * (FINE * resolution.per_degree() as i32) as f32) as i32;
+    sort_by_column(segments);
+    let fine = |degrees: f32| truncate_to_i32(degrees * (FINE * resolution.per_degree_i32()) as f32);
     let (gap, span, least) = (fine(GAP_DEG), fine(SPAN_DEG), fine(EDGE_DEG));
-    let mut rest: &[Upright] = uprights;
+    let mut rest: &[VerticalSegment] = segments;
     while let Some(first) = rest.first() {
         let mut last = first.x;
-        let joins = |u: &&Upright| {
+        let joins = |u: &&VerticalSegment| {
             let joined = u.x - last <= gap && u.x - first.x <= span;
             last = u.x;
             joined
@@ -151,21 +140,21 @@ pub(super) fn gather(
     true
 }
 
-/// Insertion sort: lists are short, nearly sorted from the second camera on, and nothing can panic.
-fn sort_by_column(uprights: &mut [Upright]) {
-    for end in 1..uprights.len() {
+/// Insertion sort: lists are short, nearly sorted from the second camera on, and it has no panic path.
+fn sort_by_column(segments: &mut [VerticalSegment]) {
+    for end in 1..segments.len() {
         let mut at = end;
         while at > 0 {
-            let (Some(before), Some(here)) = (uprights.get(at - 1).copied(), uprights.get(at).copied())
+            let (Some(before), Some(here)) = (segments.get(at - 1).copied(), segments.get(at).copied())
             else {
                 break;
             };
-            // Ties by all fields: the order must not depend on which camera came first.
-            let key = |u: &Upright| (u.x, u.top, u.bottom, u.length);
+            // All fields break ties, so that the order does not depend on that of the cameras.
+            let key = |u: &VerticalSegment| (u.x, u.top, u.bottom, u.length);
             if key(&before) <= key(&here) {
                 break;
             }
-            uprights.swap(at - 1, at);
+            segments.swap(at - 1, at);
             at -= 1;
         }
     }

@@ -1,23 +1,24 @@
-//! Windows in the level frame: both cameras on one ring of azimuth and elevation.
+//! Windows in the level frame, in one panorama of both cameras.
 //!
-//! frames -> ring (planes of brightness rank and texture) -> edges (near-vertical segments) -> boxes (pairs of edges,
-//! scored) -> choice around the circle -> hit type and evidence of 360 bins.
+//! frames -> panorama (planes of brightness rank and texture) -> edges (near-vertical segments) -> boxes (pairs of edges,
+//! scored) -> choice around the circle -> hit type and log odds of 360 bins.
 //!
-//! "Vertical" is towards the up vector, sizes are angles, and every level is relative to the frame: neither a tilted
-//! or upside-down mounting nor the exposure matters. A box that swallows several windows loses to the sum of its parts.
+//! Vertical means along the up vector, sizes are angles, and gray levels are relative to the frame: the result is
+//! independent of tilt and of exposure. A box over several windows has a lower score than the sum of theirs.
 
 mod boxes;
 mod choose;
 mod edges;
+mod panorama;
 mod planes;
-mod ring;
+mod tuning;
 
 pub use boxes::WindowBox;
 pub use choose::Column;
-pub use edges::{Edge, Upright};
+pub use edges::{Edge, VerticalSegment};
 
 use crate::base::confidence::Confidence;
-use crate::base::num::{BINS, LogOdds, LogWeight, log_odds};
+use crate::base::num::{BINS, LogOdds, LogWeight, count_as_i32, log_odds};
 use crate::base::raster::GrayImage;
 use crate::base::scan::Hit;
 use crate::vision::camera::{Pixel, Rig};
@@ -26,57 +27,52 @@ use crate::vision::panorama::{Resolution, TOP_DEG, pixels_per_degree};
 use crate::vision::projector::CameraView;
 use crate::vision::sample::ExclusionMask;
 use crate::vision::segments::{Parameters, Segment};
-use boxes::{LEAST_SCORE, Planes, WIDEST_DEG};
+use boxes::Planes;
 use bytemuck::{Pod, Zeroable};
 use edges::{FINE, MAX_EDGES};
 use heapless::Vec;
+use tuning::{LEAST_SCORE, RIM_DEG, SEEN_DEG, SKY_SHARE, WIDEST_DEG};
 
-/// Most near-vertical segments of both cameras that [`Buffers::uprights`] need hold in a built-up scene.
-pub const MAX_UPRIGHTS: usize = 512;
-/// Most boxes that [`Buffers::boxes`] need hold in a built-up scene.
+/// Capacity of [`Buffers::vertical_segments`] that suffices for both cameras in built-up scenes.
+pub const MAX_VERTICAL_SEGMENTS: usize = 512;
+/// Capacity of [`Buffers::boxes`] that suffices in built-up scenes.
 pub const MAX_BOXES: usize = 2048;
-/// A column of the ring is seen if half of its cells between these elevations are, degrees.
-const SEEN_DEG: [i32; 2] = [-3, 5];
-/// The view ends where less than 4/5 of a column between these elevations is seen, degrees.
-const RIM_DEG: [i32; 2] = [-4, 6];
-
-/// Memory lent to a [`WindowFinder`]; what it holds before does not matter.
+/// Memory lent to a [`WindowFinder`]; its initial contents are ignored.
 #[derive(Debug)]
 pub struct Buffers<'a> {
-    /// [`Resolution::cells`] elements: brightness.
+    /// [`Resolution::cells`] elements: gray levels, then brightness ranks.
     pub gray: &'a mut [u8],
     /// [`Resolution::cells`] elements: texture.
     pub texture: &'a mut [u8],
     /// [`Resolution::columns`] + 1 elements.
     pub columns: &'a mut [Column],
-    /// Up to [`MAX_UPRIGHTS`] elements; fewer may truncate the result.
-    pub uprights: &'a mut [Upright],
+    /// Up to [`MAX_VERTICAL_SEGMENTS`] elements; fewer may truncate the result.
+    pub vertical_segments: &'a mut [VerticalSegment],
     /// Up to [`MAX_BOXES`] elements; fewer may truncate the result.
     pub boxes: &'a mut [WindowBox],
 }
 
-/// A window on the ring.
+/// A window in the panorama.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Pod, Zeroable)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(C)]
 pub struct Window {
-    /// First column and the one after the last, clockwise; the latter may lie beyond the ring's last.
+    /// First column and the one after the last, clockwise; the latter may exceed the number of columns.
     pub columns: [u16; 2],
     /// First row and the one after the last, downwards.
     pub rows: [u16; 2],
-    /// Log odds that it is a window.
+    /// Log odds that the box is a window.
     #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
     pub score: LogOdds,
-    /// The camera that sees its middle.
+    /// Number of the camera whose axis is nearest to its middle.
     pub camera: u16,
 }
 
 impl Window {
-    /// For buffers.
+    /// Initial value of buffers.
     pub const EMPTY: Self = Self { columns: [0; 2], rows: [0; 2], score: LogOdds::ZERO, camera: 0 };
 
-    /// Azimuths in degrees counter-clockwise from the heading, from the right edge to the left; the first within
-    /// -180 to 180.
+    /// Azimuths of the right and the left edge, degrees counter-clockwise from the heading; the first in -180 to 180.
     #[must_use]
     pub fn azimuth_deg(&self, resolution: Resolution) -> [f32; 2] {
         let [left, right] = self.columns.map(|c| 180.0 - f32::from(c) / resolution.per_degree() as f32);
@@ -84,7 +80,7 @@ impl Window {
         [right + turn, left + turn]
     }
 
-    /// Elevations in degrees, from sill to lintel.
+    /// Elevations of sill and lintel, degrees.
     #[must_use]
     pub fn elevation_deg(&self, resolution: Resolution) -> [f32; 2] {
         let [top, bottom] = self.rows.map(|r| TOP_DEG as f32 - f32::from(r) / resolution.per_degree() as f32);
@@ -92,53 +88,53 @@ impl Window {
     }
 }
 
-/// Window or wall in each direction.
+/// Window or wall per direction, as hit type and as log odds.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct WindowEvidence {
-    /// Number of windows written.
+    /// Number of windows found.
     pub count: usize,
-    /// Whether a list overflowed: windows may be missing.
+    /// Whether a buffer was full: windows may be missing.
     pub truncated: bool,
-    /// Window or wall of bin j, heading + j degrees counter-clockwise. What is not seen says wall, with confidence 0.
+    /// Hit type of bin j, at heading + j degrees counter-clockwise. Bins not seen are walls of confidence 0.
     pub hit: [Hit; BINS],
-    /// How sure that is: 0 for what neither camera sees, or safety gear hides.
+    /// Confidence of the hit type: 0 where neither camera sees, or safety gear hides the building.
     pub confidence: Confidence,
-    /// Log odds of a window in each bin, within -4 to 4 nats; 0 where nothing is seen.
+    /// Log odds of a window per bin, -4 to 4 nats; 0 where not seen.
     #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
     pub evidence: [LogOdds; BINS],
-    /// Number of near-vertical segments left in [`Buffers::uprights`]: for pictures of what was considered.
-    pub uprights: usize,
-    /// Number of boxes left in [`Buffers::boxes`].
+    /// Number of near-vertical segments left in [`Buffers::vertical_segments`], for diagnostic images.
+    pub vertical_segments: usize,
+    /// Number of boxes left in [`Buffers::boxes`], for diagnostic images.
     pub boxes: usize,
 }
 
 impl WindowEvidence {
-    /// Nothing was seen. Every byte is zero.
+    /// Evidence of no direction. Every byte is 0.
     pub const NOTHING: Self = Self {
         count: 0,
         truncated: false,
         hit: [Hit::Open; BINS],
         confidence: Confidence::NONE,
         evidence: [LogOdds::ZERO; BINS],
-        uprights: 0,
+        vertical_segments: 0,
         boxes: 0,
     };
 }
 
-/// Finds windows in the frames of a rig, one camera after the other.
+/// Finds windows in the frames of a rig, added one camera at a time.
 #[derive(Debug)]
 pub struct WindowFinder<'a, 'r> {
     buffers: Buffers<'a>,
     resolution: Resolution,
     rig: &'r Rig,
     level: LevelFrame,
-    uprights: usize,
+    vertical_segments: usize,
     truncated: bool,
 }
 
 impl<'a, 'r> WindowFinder<'a, 'r> {
-    /// Begins a pair of frames; `rig` has the cameras that will be given, and no others. `None` if a buffer is
+    /// Starts a pair of frames. `rig` has the cameras whose frames will be added, and no others. `None` if a buffer is
     /// too short.
     #[must_use]
     pub fn new(
@@ -152,55 +148,56 @@ impl<'a, 'r> WindowFinder<'a, 'r> {
         buffers.texture = buffers.texture.get_mut(..cells)?;
         buffers.columns = buffers.columns.get_mut(..columns)?;
         buffers.gray.fill(0);
-        Some(Self { buffers, resolution, rig, level, uprights: 0, truncated: false })
+        Some(Self { buffers, resolution, rig, level, vertical_segments: 0, truncated: false })
     }
 
-    // Inlined down to the loops over cells, as [`crate::vision::segments::detect`] is and for the same reason.
-    /// Adds what one camera sees: its frame, or the smoothed one where [`wants_smoothed`] says so, and its segments.
+    // Inlined down to the loops over cells, like `segments::detect` and for the same reason.
+    /// Adds one camera: its frame, smoothed if [`wants_smoothed`], and its segments. Ignores a camera that the rig lacks.
     #[inline(always)]
     pub fn add(
         &mut self,
         camera: usize,
         image: &GrayImage<'_>,
-        red: ExclusionMask<'_>,
+        excluded: ExclusionMask<'_>,
         segments: &[Segment],
     ) {
         let Some(view) = self.rig.view(camera) else { return };
-        let seen = CameraView { rig: self.rig, camera, level: self.level, image, excluded: red };
-        ring::draw(self.buffers.gray, self.resolution, &seen);
-        for upright in segments.iter().filter_map(|s| edges::upright(s, view, &self.level, self.resolution)) {
-            match self.buffers.uprights.get_mut(self.uprights) {
+        let seen = CameraView { rig: self.rig, camera, level: self.level, image, excluded };
+        panorama::draw(self.buffers.gray, self.resolution, &seen);
+        let vertical = |segment| edges::vertical_segment(segment, view, &self.level, self.resolution);
+        for segment in segments.iter().filter_map(vertical) {
+            match self.buffers.vertical_segments.get_mut(self.vertical_segments) {
                 Some(slot) => {
-                    *slot = upright;
-                    self.uprights += 1;
+                    *slot = segment;
+                    self.vertical_segments += 1;
                 }
                 None => self.truncated = true,
             }
         }
     }
 
-    /// Finds the windows, at most as many as `windows` holds, from left to right around the circle.
+    /// Finds the windows, at most as many as `windows` holds, in order of columns.
     ///
     /// # Cost
-    /// Passes over the cells; for each pair of at most 192 edges no more than 32 columns of the box between them and of
-    /// each of its flanks; for each column the boxes that begin or end there.
+    /// A fixed number of passes over the cells; for each pair of at most 192 edges at most 32 columns of the box between
+    /// them and of each flank; for each column the boxes that start or end there.
     #[inline(always)]
     pub fn finish(mut self, windows: &mut [Window]) -> WindowEvidence {
         planes::normalize(self.buffers.gray, self.buffers.texture, self.resolution);
         let planes =
             Planes { rank: self.buffers.gray, texture: self.buffers.texture, resolution: self.resolution };
         let mut edges = Vec::new();
-        let uprights = self.buffers.uprights.get_mut(..self.uprights).unwrap_or(&mut []);
-        self.truncated |= !edges::gather(uprights, self.resolution, &mut edges);
+        let vertical = self.buffers.vertical_segments.get_mut(..self.vertical_segments).unwrap_or(&mut []);
+        self.truncated |= !edges::gather(vertical, self.resolution, &mut edges);
         self.truncated |= !add_rims(&planes, &mut edges);
         let (proposed, all) = propose(&planes, &edges, self.buffers.boxes);
         self.truncated |= !all;
         let boxes = self.buffers.boxes.get_mut(..proposed).unwrap_or(&mut []);
         let cut = choose::choose(boxes, self.buffers.columns);
-        let mut sighting = WindowEvidence {
+        let mut found = WindowEvidence {
             truncated: self.truncated,
             hit: [Hit::Wall; BINS],
-            uprights: self.uprights,
+            vertical_segments: self.vertical_segments,
             boxes: proposed,
             ..WindowEvidence::NOTHING
         };
@@ -208,52 +205,49 @@ impl<'a, 'r> WindowFinder<'a, 'r> {
         let mut covered = Covered::default();
         for b in choose::chosen(boxes, self.buffers.columns) {
             covered.add(b, self.resolution);
-            match windows.get_mut(sighting.count) {
+            match windows.get_mut(found.count) {
                 Some(slot) => {
                     *slot = window(b, self.rig, &self.level, self.resolution);
-                    sighting.count += 1;
+                    found.count += 1;
                 }
-                None => sighting.truncated = true,
+                None => found.truncated = true,
             }
         }
-        windows.get_mut(..sighting.count).unwrap_or(&mut []).reverse();
-        let bins = sighting.hit.iter_mut().zip(&mut sighting.evidence).zip(&mut confidence);
+        windows.get_mut(..found.count).unwrap_or(&mut []).reverse();
+        let bins = found.hit.iter_mut().zip(&mut found.evidence).zip(&mut confidence);
         for (bin, ((hit, evidence), confidence)) in bins.enumerate() {
-            if let Some((judged, odds)) = judge(bin, &planes, &covered, (self.buffers.columns, cut)) {
-                *hit = judged;
+            if let Some((seen, odds)) = direction(bin, &planes, &covered, (self.buffers.columns, cut)) {
+                *hit = seen;
                 *evidence = log_odds(odds);
-                *confidence = sureness(odds);
+                *confidence = confidence_of(odds);
             }
         }
-        sighting.confidence = Confidence::new(&confidence);
-        sighting
+        found.confidence = Confidence::new(&confidence);
+        found
     }
 }
 
-/// Visits the edges that near-vertical segments make, as [`WindowFinder::finish`] gathered them, from left to right; not
-/// those where the view ends.
-pub fn visit_edges(uprights: &mut [Upright], resolution: Resolution, visit: impl FnMut(&Edge)) {
+/// Visits the edges that [`WindowFinder::finish`] groups near-vertical segments into, in order of columns; without the ends
+/// of the view.
+pub fn visit_edges(segments: &mut [VerticalSegment], resolution: Resolution, visit: impl FnMut(&Edge)) {
     let mut edges = Vec::new();
-    edges::gather(uprights, resolution, &mut edges);
+    edges::gather(segments, resolution, &mut edges);
     edges.iter().for_each(visit);
 }
 
-/// What to look for when detecting the segments of a view: faint edges too, and short ones if the image is small.
+/// Parameters of the segment detector for a view: lower thresholds than ELSED's, and a shorter window for small images.
 #[must_use]
 pub fn segment_parameters(view: &crate::vision::camera::View) -> Parameters {
-    let usual = Parameters { gradient_threshold: 20, anchor_threshold: 4, ..Parameters::default() };
+    let parameters = Parameters { gradient_threshold: 20, anchor_threshold: 4, ..Parameters::default() };
     if Resolution::of(view) == Resolution::COARSE {
-        return Parameters { min_length: 8, ..usual };
+        return Parameters { min_length: 8, ..parameters };
     }
-    usual
+    parameters
 }
 
-/// The sky must exceed the ground by more than one in this many of the whole range of brightness ranks.
-const SKY_SHARE: u64 = 50;
-
-/// Whether what lies outside the windows is brighter above than below, as sky and ground are: `Some(false)` says that up
-/// and down were exchanged; `None` without windows, or if neither is brighter. `rank` is [`Buffers::gray`] after
-/// [`WindowFinder::finish`].
+/// Whether the upper third of the windows is brighter than the lower third, as sky is than ground: `Some(false)` means that
+/// the up vector has the wrong sign; `None` without windows, or if the difference of mean rank is below 1/50 of the range.
+/// `rank` is [`Buffers::gray`] after [`WindowFinder::finish`].
 #[must_use]
 pub fn sky_is_above(windows: &[Window], rank: &[u8], resolution: Resolution) -> Option<bool> {
     let (columns, height) = (resolution.columns(), resolution.rows());
@@ -277,17 +271,18 @@ pub fn sky_is_above(windows: &[Window], rank: &[u8], resolution: Resolution) -> 
     (sky.unsigned_abs() * SKY_SHARE > most).then_some(sky > 0)
 }
 
-/// Whether a ring at this resolution skips pixels of the view's image, so that it is to be drawn from the smoothed one.
+/// Whether a panorama of this resolution samples the view's image at a stride above 1.5 pixels, so that it needs the
+/// smoothed image against aliasing.
 #[must_use]
 pub fn wants_smoothed(view: &crate::vision::camera::View, resolution: Resolution) -> bool {
     pixels_per_degree(view) > 1.5 * resolution.per_degree() as f32
 }
 
-/// All pairs of edges that may be windows, scored; their number, and whether there was room for all.
+/// Scores all pairs of edges that may be windows; returns the number of boxes, and whether all fit.
 #[inline(always)]
 fn propose(planes: &Planes<'_>, edges: &[Edge], boxes: &mut [WindowBox]) -> (usize, bool) {
-    let fine = FINE * planes.resolution.per_degree() as i32;
-    let (turn, widest) = (360 * fine, WIDEST_DEG as i32 * fine);
+    let fine = FINE * planes.resolution.per_degree_i32();
+    let (turn, widest) = (360 * fine, WIDEST_DEG * fine);
     let mut count = 0;
     for (i, left) in edges.iter().enumerate() {
         let onward = edges.iter().skip(i + 1).copied();
@@ -308,18 +303,17 @@ fn propose(planes: &Planes<'_>, edges: &[Edge], boxes: &mut [WindowBox]) -> (usi
     (count, true)
 }
 
-/// Known cells of a column between two elevations, and how many there are.
+/// Number of known cells of a column between two elevations, and number of cells.
 #[inline(always)]
 fn known(planes: &Planes<'_>, column: usize, [low, high]: [i32; 2]) -> (usize, usize) {
     let resolution = planes.resolution;
-    let row = |elevation: i32| (TOP_DEG - elevation) as usize * resolution.per_degree();
-    let rows = row(high)..row(low);
+    let rows = resolution.row_of(high)..resolution.row_of(low);
     let start = column * resolution.rows();
     let cells = planes.rank.get(start + rows.start..start + rows.end).unwrap_or(&[]);
     (cells.iter().filter(|rank| **rank > 0).count(), rows.len())
 }
 
-/// Adds an edge of all heights where the view ends, keeping the order; false if there is no room.
+/// Inserts an edge of all rows at each end of the view, in order of columns; false if the list is full.
 fn add_rims(planes: &Planes<'_>, edges: &mut Vec<Edge, MAX_EDGES>) -> bool {
     let columns = planes.resolution.columns();
     let open = |column: usize| {
@@ -330,8 +324,8 @@ fn add_rims(planes: &Planes<'_>, edges: &mut Vec<Edge, MAX_EDGES>) -> bool {
     for column in 0..columns {
         let here = open(column);
         if here != before {
-            let x = column as i32 * FINE;
-            let edge = Edge { x, top: 0, bottom: planes.resolution.rows() as i32 * FINE, rim: true };
+            let x = count_as_i32(column) * FINE;
+            let edge = Edge { x, top: 0, bottom: count_as_i32(planes.resolution.rows()) * FINE, rim: true };
             let at = edges.iter().position(|e| e.x > x).unwrap_or(edges.len());
             if edges.insert(at, edge).is_err() {
                 return false;
@@ -342,6 +336,7 @@ fn add_rims(planes: &Planes<'_>, edges: &mut Vec<Edge, MAX_EDGES>) -> bool {
     true
 }
 
+/// A box as a window.
 fn window(b: &WindowBox, rig: &Rig, level: &LevelFrame, resolution: Resolution) -> Window {
     let columns = [b.start, b.end];
     let rows = [b.top, b.bottom];
@@ -354,11 +349,11 @@ fn window(b: &WindowBox, rig: &Rig, level: &LevelFrame, resolution: Resolution) 
     window
 }
 
-/// The smallest box in a camera's image, `[x0, y0, x1, y1]` in pixels, around a window; `None` if no part of its outline
-/// falls in the image.
+/// Bounding box `[x0, y0, x1, y1]`, pixels, of a window in the image of its camera, clamped to the image; `None` if no
+/// sampled point of it is in the camera's field. The window is sampled at 9 x 9 points.
 #[must_use]
 pub fn image_box(window: &Window, rig: &Rig, level: &LevelFrame, resolution: Resolution) -> Option<[f32; 4]> {
-    /// Points along each side.
+    /// Sampled points along each side.
     const POINTS: usize = 9;
     let view = rig.view(usize::from(window.camera))?;
     let radians = core::f32::consts::PI / 180.0;
@@ -378,7 +373,7 @@ pub fn image_box(window: &Window, rig: &Rig, level: &LevelFrame, resolution: Res
     extent
 }
 
-/// One bit for each column of the finest ring: whether a window chosen covers it.
+/// One bit per column of the finest panorama: whether a chosen window covers it.
 #[derive(Debug)]
 struct Covered([u32; 45]);
 
@@ -403,7 +398,7 @@ impl Covered {
 }
 
 /// Hit type and log odds of one bin, from the columns within half a degree of it; `None` if it is not seen.
-fn judge(
+fn direction(
     bin: usize,
     planes: &Planes<'_>,
     covered: &Covered,
@@ -419,16 +414,16 @@ fn judge(
         seen += usize::from(2 * known >= all);
         odds += choose::evidence(columns, cut, column);
     }
-    let odds = odds / per_degree as i32;
+    let odds = odds / planes.resolution.per_degree_i32();
     if 2 * windows >= per_degree {
         return Some((Hit::Window, odds));
     }
     (2 * seen >= per_degree).then_some((Hit::Wall, odds))
 }
 
-/// tanh of half the log odds, in sixteenths, at least 1: by how much the likelier hit type exceeds the other.
-fn sureness(odds: LogWeight) -> u8 {
-    /// Bits of log odds from which the share rounds to 2/16, 3/16 ... 16/16.
+/// |tanh(odds / 2)| in sixteenths, at least 1: the difference between the probabilities of window and wall.
+fn confidence_of(odds: LogWeight) -> u8 {
+    /// Bits of log odds from which the difference rounds to 2/16, 3/16 and so on up to 16/16.
     const STEPS: [u32; 15] = [48, 81, 114, 148, 183, 221, 260, 303, 350, 403, 463, 537, 632, 771, 1061];
-    1 + STEPS.iter().filter(|step| odds.to_bits().unsigned_abs() >= **step).count() as u8
+    1 + STEPS.iter().map(|step| u8::from(odds.to_bits().unsigned_abs() >= *step)).sum::<u8>()
 }

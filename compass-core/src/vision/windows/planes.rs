@@ -1,20 +1,16 @@
-//! The two planes that cues are measured on: brightness as a rank in the frame, and texture.
+//! The two planes of the cues: brightness as rank within the frame, and texture.
 
-use crate::vision::panorama::{Resolution, TOP_DEG};
+use super::tuning::{BAND_DEG, GLARE, LEAST_TEXTURE, TEXTURE_PERCENT};
+use crate::vision::panorama::Resolution;
 
-/// Statistics come from this far above and below the horizon, degrees.
-const BAND_DEG: i32 = 15;
-/// Share of the cells of the band with less texture than what counts as full, in percent.
-const TEXTURE_PERCENT: u32 = 90;
-/// Full texture is at least this many gray levels: below is noise.
-const LEAST_TEXTURE: usize = 4;
-/// Gray levels that count as over-exposed. By day that is the outdoors, of which the frame shows no texture, while the
-/// wall beside it may be nearly as bright and has some.
-const GLARE: u8 = 245;
-
-/// Turns the gray levels of a ring into ranks, 1 (darkest of the frame) to 255, 0 where nothing is known; and fills
-/// `texture` with the vertical gradient, 0 to 255 (as strong as a tenth of the frame has, or over-exposed).
+/// Replaces the gray levels of a panorama by their ranks in the frame, 1 (darkest) to 255, and 0 where unknown; fills
+/// `texture` with the vertical gradient scaled to 0 to 255 (255: the 90th percentile of the frame, or over-exposed).
 #[inline(always)]
+#[expect(
+    clippy::indexing_slicing,
+    clippy::cast_possible_truncation,
+    reason = "bytes index 256 entries, and shares are clamped to 255"
+)]
 pub(super) fn normalize(gray: &mut [u8], texture: &mut [u8], resolution: Resolution) {
     let rows = resolution.rows();
     erode(gray, texture, rows);
@@ -39,15 +35,14 @@ pub(super) fn normalize(gray: &mut [u8], texture: &mut [u8], resolution: Resolut
     }
 }
 
-/// Rows that statistics come from.
+/// Rows that ranks and the texture scale are computed from.
 fn band(resolution: Resolution) -> core::ops::Range<usize> {
-    let row = |elevation: i32| (TOP_DEG - elevation) as usize * resolution.per_degree();
-    row(BAND_DEG)..row(-BAND_DEG)
+    resolution.row_of(BAND_DEG)..resolution.row_of(-BAND_DEG)
 }
 
-/// Clears the cells beside unknown ones: what borders safety gear is still partly red. Uses `lost` as scratch.
+/// Erodes the known cells by one: cells beside excluded pixels may be partly red. `lost` is scratch.
 ///
-/// Most words of cells hold none, and are passed over.
+/// Words of cells without an unknown one are skipped.
 fn erode(gray: &mut [u8], lost: &mut [u8], rows: usize) {
     lost.fill(0);
     let cells = gray.len();
@@ -74,15 +69,15 @@ fn erode(gray: &mut [u8], lost: &mut [u8], rows: usize) {
     }
 }
 
-/// Cells that are looked at together.
+/// Cells tested together.
 const WORD: usize = 8;
 
-/// Cells by words, each with the number of its first; the last may be shorter.
+/// Cells in words, each with the index of its first cell; the last may be shorter.
 fn words(cells: &[u8]) -> impl Iterator<Item = (usize, &[u8])> {
     cells.chunks(WORD).enumerate().map(|(word, cells)| (word * WORD, cells))
 }
 
-/// |level above - level below|; 0 where one of the three is unknown.
+/// |level above - level below|; 0 where one of the three cells is unknown.
 #[inline(always)]
 fn vertical_gradient(gray: &[u8], texture: &mut [u8], rows: usize) {
     for (gray, texture) in gray.chunks_exact(rows).zip(texture.chunks_exact_mut(rows)) {
@@ -95,20 +90,21 @@ fn vertical_gradient(gray: &[u8], texture: &mut [u8], rows: usize) {
     }
 }
 
-/// The middle rank of every gray level among those counted, 1 to 255; level 0 stays 0.
+/// The mid-rank of every gray level in the histogram, 1 to 255; level 0 has rank 0.
+#[expect(clippy::cast_possible_truncation, reason = "ranks are at most 255")]
 fn ranks(counts: &[u32; 256]) -> [u8; 256] {
     let twice = (2 * counts.iter().sum::<u32>()).max(1);
     let mut below = 0;
     let mut ranks = [0; 256];
     for (rank, count) in ranks.iter_mut().zip(counts).skip(1) {
-        // Fewer than 2^20 cells: no overflow.
+        // Fewer than 2^20 cells: products fit.
         *rank = (1 + 254 * (2 * below + count) / twice) as u8;
         below += count;
     }
     ranks
 }
 
-/// The value that [`TEXTURE_PERCENT`] of those counted do not exceed.
+/// The percentile [`TEXTURE_PERCENT`] of a histogram.
 fn percentile(counts: &[u32; 256]) -> usize {
     let wanted = counts.iter().sum::<u32>() / 100 * TEXTURE_PERCENT;
     let mut below = 0;

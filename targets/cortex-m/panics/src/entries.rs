@@ -32,7 +32,7 @@ use compass_core::vision::panorama::Resolution;
 use compass_core::vision::segments;
 use compass_core::vision::shot::{self, Shot};
 use compass_core::vision::visual_scan;
-use compass_core::vision::windows::{self, Edge, Upright, Window, WindowFinder};
+use compass_core::vision::windows::{self, Edge, VerticalSegment, Window, WindowFinder};
 use compass_core::{Fix, LocateError};
 
 use core::hint::black_box;
@@ -313,8 +313,8 @@ fn walk_rig(rig: &Rig, visit: &mut dyn FnMut(usize, &View)) {
     rig.views().for_each(|(number, view)| visit(number, view));
 }
 
-fn visit_edges(uprights: &mut [Upright], resolution: Resolution, visit: &mut dyn FnMut(&Edge)) {
-    windows::visit_edges(uprights, resolution, visit);
+fn visit_edges(segments: &mut [VerticalSegment], resolution: Resolution, visit: &mut dyn FnMut(&Edge)) {
+    windows::visit_edges(segments, resolution, visit);
 }
 
 fn hypotheses(track: &Track, visit: &mut dyn FnMut(ScoredPose, f32)) {

@@ -1,28 +1,27 @@
-//! The ring: what both cameras see, as a panorama of azimuth and elevation levelled by the up vector.
+//! Drawing of the panorama: gray levels of both cameras by azimuth and elevation in the level frame.
 //!
-//! Its cells lie column by column, so that what is measured between two heights is contiguous. Columns go clockwise,
-//! from 180 degrees at the left border of the first; rows go down.
+//! Cells are stored column by column, so that the cells of a column between two rows are contiguous. Columns run clockwise
+//! from azimuth 180 degrees at the left border of the first, rows downwards.
 
+use crate::base::num::count_as_i32;
 use crate::base::raster::GrayImage;
 use crate::vision::panorama::{Resolution, TOP_DEG};
 use crate::vision::projector::{CameraView, Node, Projector};
 use crate::vision::sample::{ExclusionMask, around, between};
 
-/// The projection is computed for every so many-th border of a cell, and interpolated between: 2 or 4 degrees.
+/// Stride of the projection grid in cells, 2 or 4 degrees; positions between its nodes are interpolated.
 const SIDE: usize = 8;
-/// Most rows of that grid, both borders included.
+/// Largest number of rows of the grid, both borders included.
 const GRID_ROWS: usize = Resolution::FINE.rows().div_ceil(SIDE) + 1;
 
-/// Draws what one camera sees into the ring: gray levels 1 to 255; cells that it does not see, or where safety
-/// gear is, are left as they are.
-///
-/// The camera nearest to a bearing by its axis has it.
+/// Draws one camera's image into the panorama: gray levels 1 to 255, 0 where excluded. Leaves the cells of the other camera
+/// unchanged: a cell belongs to the camera whose axis is nearest.
 #[inline(always)]
 pub(super) fn draw(cells: &mut [u8], resolution: Resolution, seen: &CameraView<'_>) {
     let Some(projector) = Projector::new(seen) else { return };
-    let grid = SIDE as i32 / resolution.per_degree() as i32;
+    let grid = count_as_i32(SIDE) / resolution.per_degree_i32();
     let angle = |from: i32, node: usize| {
-        libm::sincosf((from - node as i32 * grid) as f32 * (core::f32::consts::PI / 180.0))
+        libm::sincosf((from - count_as_i32(node) * grid) as f32 * (core::f32::consts::PI / 180.0))
     };
     let elevations: [_; GRID_ROWS] = core::array::from_fn(|row| angle(TOP_DEG, row));
     let rows = resolution.rows().div_ceil(SIDE);
@@ -49,32 +48,33 @@ pub(super) fn draw(cells: &mut [u8], resolution: Resolution, seen: &CameraView<'
     }
 }
 
-/// Draws the cells between four nodes, `SIDE` a side: upper left, upper right, lower left, lower right.
+/// Draws the `SIDE` x `SIDE` cells between four nodes: upper left, upper right, lower left, lower right.
 ///
-/// A column at a time, in arrays: positions and levels then come in vectors, and only the pixels one by one.
+/// Arrays of one column: positions and levels are computed by vector instructions, only pixels are loaded one by one.
 #[inline(always)]
+#[expect(clippy::indexing_slicing, reason = "u and v are below `SIDE`, the length of the arrays")]
 fn draw_patch(
     cells: &mut [u8],
     resolution: Resolution,
     (column, row): (usize, usize),
     [a, b, c, d]: &[Node; 4],
     image: &GrayImage<'_>,
-    red: ExclusionMask<'_>,
+    excluded: ExclusionMask<'_>,
 ) {
-    // Cell centres lie at odd halves of cells, so weights are of `2 SIDE`, a power of two.
+    // Cell centres lie at odd multiples of half a cell, so that weights sum to `2 SIDE`, a power of two.
     let bits = SIDE.trailing_zeros() + 1;
-    let twice = 2 * SIDE as i32;
+    let twice = 2 * count_as_i32(SIDE);
     let top = row * SIDE;
     let height = SIDE.min(resolution.rows().saturating_sub(top));
-    // Red is looked for in every other cell of every other column, and taken to be around it.
+    // Exclusion is tested at every other cell of every other column and applies to its 2 x 2 cells.
     let mut hidden = [false; SIDE];
     for u in 0..SIDE {
-        let wx = 2 * u as i32 + 1;
+        let wx = 2 * count_as_i32(u) + 1;
         let blend = |left: i32, right: i32| left * (twice - wx) + right * wx;
         let down = |upper: i32, lower: i32| {
             let mut places = [0; SIDE];
             for (v, place) in places.iter_mut().enumerate() {
-                let wy = 2 * v as i32 + 1;
+                let wy = 2 * count_as_i32(v) + 1;
                 *place = (upper * (twice - wy) + lower * wy) >> (2 * bits);
             }
             places
@@ -86,7 +86,7 @@ fn draw_patch(
         let mut seen = [0; SIDE];
         for v in 0..height {
             if v % 2 == 0 && u % 2 == 0 {
-                hidden[v] = red.at(x[v], y[v]);
+                hidden[v] = excluded.at(x[v], y[v]);
             }
             if lead[v] > 0
                 && !hidden[v & !1]
