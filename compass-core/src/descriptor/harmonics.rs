@@ -1,10 +1,10 @@
-//! Low harmonics of 360 bins, for the sketches and bounds of the search.
+//! Low harmonics of 360 bins, for sketches and for the bounds of the exhaustive search.
 //!
 //! `R_k = sum_j v_j exp(-2 pi i j k / 360)` for k in 1..=32, with cosines and sines in Q14.
 
 use crate::base::num::{BINS, degree_cosine, degree_sine};
 
-/// Harmonics that the exact search bounds with.
+/// Number of harmonics in the bounds of the exhaustive search.
 pub(crate) const HARMONICS: usize = 32;
 
 /// Real and imaginary part.
@@ -28,7 +28,7 @@ static BASIS: [Pair<[i16; BINS]>; HARMONICS] = {
     basis
 };
 
-/// The first `N` harmonics of a channel, N at most 32, in units of 2^-14 of the values'.
+/// The first `N` harmonics of a channel, N at most 32, in units of 2^-14 of those of the values.
 ///
 /// # Formats
 /// Values within +-1820, so that 72 products with Q14 fit 32 bits.
@@ -42,7 +42,7 @@ pub(crate) fn harmonics<const N: usize>(values: &[i16; BINS]) -> [Pair<i64>; N] 
     out
 }
 
-/// The sum of products; a block of `BLOCK` products must fit 32 bits.
+/// The dot product. The sum of `BLOCK` products must fit 32 bits.
 pub(crate) fn dot<const BLOCK: usize>(a: &[i16], b: &[i16; BINS]) -> i64 {
     let blocks = a.as_chunks::<BLOCK>().0.iter().zip(b.as_chunks::<BLOCK>().0);
     blocks

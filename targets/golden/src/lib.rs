@@ -493,7 +493,7 @@ mod tests {
         assert!(best.at.within(at, Metres::lit("0.4")), "{best:?}");
         assert!(best.heading.distance(heading) < Turn::from_ratio(2, 360), "{best:?}");
         let estimate = workspace.estimate.expect("there are hypotheses");
-        assert!(estimate.mode.at.within(at, Metres::lit("0.4")), "{estimate:?}");
+        assert!(estimate.pose.at.within(at, Metres::lit("0.4")), "{estimate:?}");
         assert!(estimate.probability > fix.probability() / 2.0, "{estimate:?}");
     }
 

@@ -119,11 +119,9 @@ fn window_words<'a>(windows: &'a [Window], evidence: &'a WindowEvidence) -> impl
         [left, right, top, bottom, w.score.to_bits() as u32, w.camera.into()]
     });
     let bins = evidence.hit.iter().zip(evidence.confidence.sixteenths()).zip(&evidence.evidence);
-    windows.chain(
-        bins.flat_map(|((hit, confidence), evidence)| {
-            [*hit as u32, u32::from(*confidence), evidence.to_bits() as u32]
-        }),
-    )
+    windows.chain(bins.flat_map(|((hit, confidence), evidence)| {
+        [*hit as u32, u32::from(*confidence), evidence.to_bits() as u32]
+    }))
 }
 
 fn boundary_words<'a>(evidence: &'a BoundaryEvidence<'_>) -> impl Iterator<Item = u32> + 'a {
@@ -141,11 +139,18 @@ fn fix_words<'a>(fix: &'a Fix<'_>) -> impl Iterator<Item = u32> + 'a {
 fn estimate_words(estimate: Option<&Estimate>) -> impl Iterator<Item = u32> + '_ {
     estimate.into_iter().flat_map(|estimate| {
         let numbers = [estimate.probability, estimate.spread_m].map(f32::to_bits);
-        pose_words(&estimate.mode).into_iter().chain(numbers)
+        pose_words(&estimate.pose).into_iter().chain(numbers)
     })
 }
 
 fn pose_words(pose: &ScoredPose) -> [u32; 6] {
     let [x, y] = [pose.at.x, pose.at.y].map(Metres::to_bits);
-    [x as u32, (x >> 32) as u32, y as u32, (y >> 32) as u32, pose.heading.to_bits(), pose.score.to_bits() as u32]
+    [
+        x as u32,
+        (x >> 32) as u32,
+        y as u32,
+        (y >> 32) as u32,
+        pose.heading.to_bits(),
+        pose.score.to_bits() as u32,
+    ]
 }

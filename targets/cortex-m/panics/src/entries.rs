@@ -13,7 +13,7 @@ use compass_core::descriptor::sketch::{Sketch, SketchQuery};
 use compass_core::descriptor::spectrum::{self, Correlator, Extent};
 use compass_core::descriptor::windows as paper;
 use compass_core::descriptor::{Descriptor, channels};
-use compass_core::map::plan::{self, Frame, MarchError, Plan};
+use compass_core::map::plan::{self, MarchError, Plan, PlanGrid};
 use compass_core::map::site::{self, Floor, Site};
 use compass_core::map::site_map::{self, Header, Layer, LayerView, PackedScan, Record, Sink, SiteMap};
 use compass_core::pose::evidence;
@@ -71,7 +71,7 @@ pub(crate) static ALL: &[Entry] = &entries![
     Plan::scan,
     cast,
     Plan::cell_centre,
-    Frame::cell_centre,
+    PlanGrid::cell_centre,
     // descriptor, spectrum
     Descriptor::fill,
     channels::hit_level,
@@ -152,10 +152,10 @@ pub(crate) static ALL: &[Entry] = &entries![
     pose::refine_final,
     pose::refine,
     pose::refine_fine,
-    pose::answer,
-    pose::Answer::modes,
-    pose::Answer::best,
-    pose::Answer::margin,
+    pose::select_alternatives,
+    pose::Alternatives::poses,
+    pose::Alternatives::best,
+    pose::Alternatives::margin,
     // camera
     KannalaBrandt::new,
     Eucm::new,
