@@ -19,10 +19,10 @@ use compass_core::map::site_map::{self, Header, Layer, LayerView, PackedScan, Re
 use compass_core::pose::evidence;
 use compass_core::pose::evidence::EvidenceTable;
 use compass_core::pose::heights::HeightMemory;
-use compass_core::pose::locate::{self, Fix};
+use compass_core::pose::locate;
 use compass_core::pose::track::Track;
 use compass_core::pose::wall_check;
-use compass_core::pose::{self, FloorLayer, Rows, ScoredPose};
+use compass_core::pose::{self, Fix, FloorLayer, PoolEntry, Rows, ScoredPose};
 use compass_core::vision::attitude::{self, Arc, Axes, Vertical};
 use compass_core::vision::boundary::{BoundaryEvidence, BoundaryFinder, RangeLikelihoods};
 use compass_core::vision::camera::{Camera, Equidistant, Eucm, KannalaBrandt, Rig, View};
@@ -200,7 +200,7 @@ pub(crate) static ALL: &[Entry] = &entries![
     Window::azimuth_deg,
     Window::elevation_deg,
     windows::segment_parameters,
-    windows::sky_above,
+    windows::sky_is_above,
     windows::wants_smoothed,
     windows::image_box,
     paper::find,
@@ -223,12 +223,14 @@ pub(crate) static ALL: &[Entry] = &entries![
     visual_scan::scan,
     wall_check::compare,
     // locate, track
-    locate::locate::<HEADINGS>,
-    Fix::height_m,
+    locate::locate,
+    pose::Headings::search,
+    Fix::camera_height_m,
+    Fix::ceiling_height_m,
     Fix::probability,
     Fix::is_sure,
     HeightMemory::learn,
-    HeightMemory::room,
+    HeightMemory::prior,
     HeightMemory::is_like,
     Track::step,
     Track::estimate,
@@ -260,7 +262,7 @@ fn search(
     rows: &Rows<HEADINGS>,
     layers: &[FloorLayer<'_>],
     among: &dyn Fn(u8, usize) -> bool,
-    pool: &mut [ScoredPose],
+    pool: &mut [PoolEntry],
 ) -> usize {
     pose::search(rows, layers, among, pool)
 }
@@ -305,5 +307,5 @@ fn visit_edges(uprights: &mut [Upright], resolution: Resolution, visit: &mut dyn
 }
 
 fn hypotheses(track: &Track, visit: &mut dyn FnMut(ScoredPose, f32)) {
-    track.hypotheses().for_each(|(mode, probability)| visit(mode, probability));
+    track.hypotheses().for_each(|(pose, probability)| visit(pose, probability));
 }
