@@ -40,6 +40,7 @@ impl<C: PixelColor> HitColors<C> {
 ///
 /// # Errors
 /// The error of the display.
+#[expect(clippy::cast_possible_truncation, reason = "at most the radius of the area")]
 pub fn scan<D: DrawTarget>(
     display: &mut D,
     area: Rectangle,
@@ -67,6 +68,11 @@ pub fn scan<D: DrawTarget>(
 ///
 /// # Errors
 /// The error of the display.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    reason = "rows lie within the area, whose size fits 32 bits with sign"
+)]
 pub fn descriptor<D: DrawTarget>(
     display: &mut D,
     area: Rectangle,
@@ -101,6 +107,11 @@ pub fn scores<D: DrawTarget>(
 }
 
 /// Draws one bar per pixel column: the highest of the bins in the column.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    reason = "bars lie within twice the area, whose size fits 32 bits with sign"
+)]
 fn bars<D: DrawTarget>(
     display: &mut D,
     area: Rectangle,

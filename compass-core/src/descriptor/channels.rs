@@ -37,6 +37,7 @@ pub const LEVEL_ERROR: ChannelValue = ChannelValue::from_bits(1 << 5);
 /// Half width in bins of the window of [`Channel::Deviation`].
 pub const DEVIATION_REACH: usize = 5;
 /// Width of that window in bins.
+#[expect(clippy::cast_possible_truncation, reason = "the value is 11")]
 const WINDOW: u32 = 2 * DEVIATION_REACH as u32 + 1;
 
 /// Five channels of 360 circular bins.
@@ -120,6 +121,10 @@ pub const fn hit_level(hit: Hit) -> ChannelValue {
 }
 
 /// numerator / denominator as a channel value, rounded to the nearest; the quotient must be below 2.
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "quotients are below 2, so that 14 fractional bits fit 16 bits"
+)]
 const fn ratio(numerator: u32, denominator: u32) -> ChannelValue {
     ChannelValue::from_bits((((numerator << 14) + denominator / 2) / denominator) as i16)
 }

@@ -11,6 +11,7 @@ pub(crate) const HARMONICS: usize = 32;
 pub(crate) type Pair<T> = [T; 2];
 
 /// cos and -sin of 2 pi j k / 360 in Q14, for k in 1..=32.
+#[expect(clippy::indexing_slicing, reason = "evaluated at compile time")]
 static BASIS: [Pair<[i16; BINS]>; HARMONICS] = {
     let mut basis = [[[0; BINS]; 2]; HARMONICS];
     let mut k = 0;

@@ -19,8 +19,16 @@ pub mod sketch;
 pub mod spectrum;
 pub mod windows;
 
+/// [`BINS`] as a factor of sums.
+#[expect(clippy::cast_possible_wrap, reason = "the value is 360")]
+const BINS_I64: i64 = BINS as i64;
+/// [`BINS`] as a factor of values.
+#[expect(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "the value is 360")]
+const BINS_I32: i32 = BINS as i32;
+
 pub use channels::{CHANNELS, Channel, Descriptor};
 
+use crate::base::num::BINS;
 use crate::base::scan::Scan;
 use crate::map::site_map::{Layer, PackedScan};
 use signature::Signature;

@@ -40,6 +40,7 @@ impl Signature {
     /// # References
     /// The transition signature is not part of the paper.
     #[must_use]
+    #[expect(clippy::cast_possible_truncation, reason = "half of at most 360 bins, and at most 254")]
     pub fn new(scan: &Scan) -> Self {
         let windows = smooth(&scan.hit);
         let bins = windows.bins().iter().filter(|&&g| g).count();

@@ -35,6 +35,7 @@ impl Sketch {
     /// # Cost
     /// 24 dot products of 360 bins.
     #[must_use]
+    #[expect(clippy::cast_possible_truncation, reason = "parts are scaled to +-127, weights have 8 bits")]
     pub fn new(candidate: &Candidate) -> Self {
         let coefficients =
             SKETCHED.map(|c| candidate.profile().values.get(c as usize).map_or([[0; 2]; 6], harmonics));
@@ -62,6 +63,7 @@ pub struct SketchQuery {
 }
 
 /// cos and sin of 2 pi s / 32 in Q6, by s.
+#[expect(clippy::indexing_slicing, reason = "evaluated at compile time")]
 static TURNS: [Pair<i32>; SKETCH_POINTS] = {
     let mut turns = [[0; 2]; SKETCH_POINTS];
     let mut s = 0;
@@ -77,6 +79,7 @@ static TURNS: [Pair<i32>; SKETCH_POINTS] = {
 impl SketchQuery {
     /// The sketch of a query. Bins of a masked query are weighted by their confidence.
     #[must_use]
+    #[expect(clippy::cast_possible_truncation, reason = "parts are scaled to +-127, weights have 8 bits")]
     pub fn new(query: &Query) -> Self {
         let weights = SKETCHED.map(|c| i64::from(query.weights().0.get(c as usize).copied().unwrap_or(0)));
         let mut coefficients: Coefficients = [[[0; 2]; SKETCH_HARMONICS]; 2];

@@ -10,6 +10,7 @@ use bytemuck::{Pod, Zeroable};
 /// Planes of a table: 72 of walls by range rung, 72 of windows by range rung, one of open directions.
 pub const PLANES: usize = 2 * RANGE_RUNGS + 1;
 /// The plane of open directions: no wall and no window within the largest range.
+#[expect(clippy::cast_possible_truncation, reason = "the value is 144")]
 pub const OPEN_PLANE: u8 = 2 * RANGE_RUNGS as u8;
 /// Largest magnitude of a cell. The bits of a sum of 360 cells then fit 16 bits.
 pub const LIMIT: CellNats = CellNats::lit("5.5");
@@ -95,6 +96,7 @@ impl Default for EvidenceTable {
 }
 
 /// A value clamped to +-[`LIMIT`].
+#[expect(clippy::cast_possible_truncation, reason = "clamped to +-LIMIT")]
 fn clamped(value: Nats) -> CellNats {
     CellNats::from_bits(value.clamp(-Nats::from(LIMIT), Nats::from(LIMIT)).to_bits() as i8)
 }
@@ -148,6 +150,7 @@ impl Between<'_> {
 /// # Accuracy
 /// The rung is within 0.504 of the exact position among the rungs (test `a_range_maps_to_the_nearest_rung`).
 #[must_use]
+#[expect(clippy::cast_possible_truncation, reason = "planes are at most OPEN_PLANE")]
 pub const fn plane_of(steps: u16, hit: Hit) -> u8 {
     let rung = ((position_of(steps) + (1 << (FRACTION_BITS - 1))) >> FRACTION_BITS) as u8;
     match hit {
@@ -173,6 +176,7 @@ const WEIGHT: f32 = 0.7;
 ///
 /// # Formats
 /// Sums are rounded to 1/16 nat and clamped to +-[`LIMIT`].
+#[expect(clippy::cast_possible_truncation, reason = "planes are at most OPEN_PLANE")]
 pub fn weigh(ranges: &RangeLikelihoods, height: i8, windows: &WindowEvidence, table: &mut EvidenceTable) {
     let mut window = [Nats::ZERO; BINS];
     let mut wall = [Nats::ZERO; BINS];
@@ -201,6 +205,7 @@ pub fn weigh(ranges: &RangeLikelihoods, height: i8, windows: &WindowEvidence, ta
 }
 
 /// Log-likelihood ratios of a window and of a wall in the plan, from the log odds of a window.
+#[expect(clippy::cast_possible_truncation, reason = "a logarithm of 0.1 to 3.1 in 1/16 nat")]
 fn hit_ratios(odds: LogOdds) -> [Nats; 2] {
     let window = 1.0 / (1.0 + libm::expf(-odds.to_float()));
     /// Bits of one nat.

@@ -29,6 +29,7 @@ impl Headings {
     /// Every degree.
     pub const N360: Self = Self::of::<360>();
 
+    #[expect(clippy::cast_possible_truncation, reason = "at most 360")]
     const fn of<const N: usize>() -> Self {
         Self { count: N as u16, words: size_of::<Rows<N>>().div_ceil(size_of::<u32>()), search: run::<N> }
     }

@@ -13,13 +13,14 @@ use heapless::Vec;
 /// Capacity in rays: every fourth of 360.
 const MAX_RAYS: usize = BINS / 4;
 /// Units of length per march step.
-const PARTS: u32 = 16;
+const PARTS: i32 = 16;
 /// Largest displacement along an axis, in units of length: 1 m.
-const LONGEST: i64 = (PARTS * STEPS_PER_METRE as u32) as i64;
+const LONGEST: i64 = PARTS as i64 * STEPS_PER_METRE as i64;
 /// Fractional bits of sines.
 const SINE_BITS: u32 = 14;
 
 /// Sines of 0 to 449 degrees, Q14: those from 90 on are the cosines.
+#[expect(clippy::indexing_slicing, reason = "evaluated at compile time")]
 static SINES: [i16; BINS + BINS / 4] = {
     let mut sines = [0; BINS + BINS / 4];
     let mut degrees = 0;
@@ -62,6 +63,11 @@ impl View {
     ///
     /// `aside` is the displacement `[x, y]` in map axes, each clamped to +-1 m. Scores are scaled to 360 bins, the bits of
     /// [`CastNats`](crate::base::num::CastNats).
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_possible_wrap,
+        reason = "strides are at most 360"
+    )]
     pub(super) fn scores<const HEADINGS: usize>(
         &self,
         table: &EvidenceTable,
@@ -80,6 +86,10 @@ impl View {
     }
 
     /// A displacement in map axes as `[forward, left]`, in units of length.
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "components of a vector of at most 800 along each axis"
+    )]
     fn along_heading(&self, aside: [Metres; 2]) -> [i32; 2] {
         let [x, y] = aside.map(|part| (((part.to_bits() >> 16) * LONGEST) >> 16).clamp(-LONGEST, LONGEST));
         let (cos, sin) = self.heading.cos_sin();
@@ -91,20 +101,25 @@ impl View {
 /// Bin and range in march steps of a ray's end point, from a displaced position.
 ///
 /// The result is wrong, but valid, for end points nearer than the displacement.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    clippy::cast_sign_loss,
+    reason = "bins are below 360; ranges are at most 1500 steps and 1.5 m more"
+)]
 fn seen([forward, left]: [i32; 2], bin: usize, steps: u16) -> (usize, u16) {
     let sine = |degrees: usize| i32::from(SINES.get(degrees).copied().unwrap_or(0));
     let (sin, cos) = (sine(bin), sine(bin + BINS / 4));
     // Components of the end point across and along the ray, relative to the displaced position.
     let across = (forward * sin - left * cos) >> SINE_BITS;
-    let along = (i32::from(steps) * PARTS as i32 - ((forward * cos + left * sin) >> SINE_BITS))
-        .max(across.abs())
-        .max(1);
+    let along =
+        (i32::from(steps) * PARTS - ((forward * cos + left * sin) >> SINE_BITS)).max(across.abs()).max(1);
     // atan t = t (pi / 4 + 0.273 (1 - |t|)) within 0.25 degrees, t up to 1 in 1/256; in 1/256 degree.
     let slope = (across << 8) / along;
     let turned = (slope * (45 * 256 + ((4004 * (256 - slope.abs())) >> 8))) >> 8;
     let bin = (bin as i32 + ((turned + 128) >> 8)).rem_euclid(BINS as i32) as usize;
     let range = along + ((across * slope) >> 9);
-    (bin, ((range + PARTS as i32 / 2) / PARTS as i32) as u16)
+    (bin, ((range + PARTS / 2) / PARTS) as u16)
 }
 
 #[cfg(test)]

@@ -102,7 +102,7 @@ pub fn refine(table: &EvidenceTable, layer: &FloorLayer<'_>, pose: ScoredPose) -
 
 /// The first part of [`refine`](refine()): steps from 0.05 m on, to an accuracy of about 0.1 m.
 ///
-/// `stride` is the azimuth stride of the rays in degrees, at least 4. The score is that of these rays, scaled to 360.
+/// `stride` is the azimuth stride of the rays in degrees, clamped to 4 to 360. The score is that of these rays, scaled to 360.
 #[must_use]
 pub fn refine_coarse(
     table: &EvidenceTable,
@@ -110,7 +110,7 @@ pub fn refine_coarse(
     pose: ScoredPose,
     stride: usize,
 ) -> ScoredPose {
-    let stride = stride.max(WIDE_STRIDE);
+    let stride = stride.clamp(WIDE_STRIDE, BINS);
     let climb = Climb::<WIDE_HEADINGS> { table, plan: layer.plan, stride };
     let Some((start, mut view)) = climb.cast_view(pose.at, pose.heading) else { return pose };
     let wide = |step| step >= WIDE / 2;
@@ -201,6 +201,11 @@ struct Climb<'a, const HEADINGS: usize> {
 impl<const HEADINGS: usize> Climb<'_, HEADINGS> {
     /// The best neighbour in position or heading by casts, if it is better than `pose`; `came` is the direction of the last
     /// move.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "headings wrap, like all turns"
+    )]
     fn neighbour(&self, pose: &Cast, came: Option<Way>, step: Metres) -> Option<Move> {
         let cast = |way: Way| Some((self.cast(beside(pose.at, way, step), pose.heading)?, way));
         let [x, y] = ALONG.map(|ways| {
@@ -246,6 +251,11 @@ impl<const HEADINGS: usize> Climb<'_, HEADINGS> {
     }
 
     /// [`Climb::cast_view`] without the end points.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_possible_wrap,
+        reason = "strides are at most 360"
+    )]
     fn cast(&self, at: Point, heading: Turn) -> Option<Cast> {
         let mut scores = [0; HEADINGS];
         let rays = self.plan.rays(at, heading, self.stride).ok()?;
@@ -258,6 +268,7 @@ impl<const HEADINGS: usize> Climb<'_, HEADINGS> {
 
 /// The best of `HEADINGS` headings, centred on one and 1 degree apart; of equal ones the nearest to the centre. Scores are
 /// the bits of [`CastNats`].
+#[expect(clippy::cast_possible_wrap, reason = "at most 9 headings")]
 fn best<const HEADINGS: usize>(at: Point, heading: Turn, scores: [i32; HEADINGS]) -> Cast {
     let middle = (HEADINGS / 2) as i64;
     let top = (-middle..).zip(scores).max_by_key(|&(degrees, score)| (score, Reverse(degrees.abs())));

@@ -22,6 +22,7 @@ const _: () = assert!(BINS * 2 * ZERO as usize <= u16::MAX as usize, "sums fit 1
 const UNWRAPPED: usize = u16::MAX as usize / (4 * ZERO as usize);
 
 /// Planes by the range code of a [packed scan](crate::map::site_map::PackedScan), for walls and open directions.
+#[expect(clippy::indexing_slicing, reason = "evaluated at compile time")]
 static WALL_PLANES: [u8; 256] = {
     let mut planes = [OPEN_PLANE; 256];
     let mut code = 0;
@@ -66,6 +67,7 @@ impl<const N: usize> Rows<N> {
     };
 
     /// A sum over N bins, the bits of [`BinNats`], scaled to 360 bins.
+    #[expect(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "at most 360")]
     pub(super) const fn of_360(score: i16) -> Nats {
         Nats::from_bits(score as i32 * Self::STRIDE as i32)
     }
@@ -74,6 +76,7 @@ impl<const N: usize> Rows<N> {
     ///
     /// # Cost
     /// Four additions per plane and bin, and up to 6 per plane and second bin.
+    #[expect(clippy::cast_possible_truncation, reason = "at most 360")]
     pub fn set(&mut self, table: &EvidenceTable) {
         for (plane, [once, again, rough]) in (0..).zip(&mut self.sums) {
             let Some(values) = table.plane(plane) else { return };
@@ -123,6 +126,7 @@ impl<const N: usize> Rows<N> {
 
     /// The planes of every `step`-th ray.
     #[inline]
+    #[expect(clippy::cast_possible_truncation, reason = "72 rungs")]
     fn every_plane(packed: &[u8; PACKED_SCAN_BYTES], step: usize) -> impl Iterator<Item = u8> {
         let (codes, windows) = packed.split_at(BINS);
         (Self::STRIDE / 2..BINS).step_by(step * Self::STRIDE).map(move |bin| {
@@ -182,6 +186,7 @@ impl<const N: usize> Rows<N> {
         sums
     }
 
+    #[expect(clippy::cast_possible_truncation, reason = "at most 360")]
     const fn of_sum(sum: u16) -> i16 {
         sum.wrapping_sub(N as u16 * ZERO).cast_signed()
     }
@@ -264,6 +269,7 @@ fn word(pair: &[u16; 2]) -> u32 {
 }
 
 #[inline]
+#[expect(clippy::cast_possible_truncation, reason = "the halves of a word")]
 const fn pair(word: u32) -> [u16; 2] {
     [word as u16, (word >> 16) as u16]
 }

@@ -63,6 +63,7 @@ impl PoolEntry {
 
     /// The pose; `None` if the layer does not exist.
     #[must_use]
+    #[expect(clippy::cast_possible_truncation, reason = "the search numbers at most 256 layers")]
     pub fn pose(&self, layers: &[FloorLayer<'_>]) -> Option<ScoredPose> {
         let at = self.position(layers)?;
         Some(ScoredPose { layer: self.layer as u8, at, heading: self.heading(), score: self.score })
@@ -104,6 +105,7 @@ impl PoolEntry {
 /// for each run of equal planes: at most N runs; about 107 at N = 360 and 61 at N = 90 on an office floor. The suppression
 /// is quadratic in the size of the pool.
 #[inline]
+#[expect(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "at most 360 headings")]
 pub fn search<const N: usize>(
     rows: &Rows<N>,
     layers: &[FloorLayer<'_>],

@@ -47,6 +47,7 @@ pub fn compare(table: &EvidenceTable, scan: &Scan) -> [BinNats; BINS] {
 }
 
 /// The largest value of a wall or a window over the rungs `from..to`.
+#[expect(clippy::cast_possible_truncation, reason = "planes are below OPEN_PLANE")]
 fn best(table: &EvidenceTable, bin: usize, from: usize, to: usize) -> BinNats {
     let at = |rung: usize| {
         let [wall, window] = [rung, RANGE_RUNGS + rung].map(|plane| table.get(plane as u8, bin));

@@ -5,6 +5,10 @@
 //! spacing times its largest second derivative, which the norms of the derivatives bound. The rest is at most the product
 //! of the two residual norms (Cauchy-Schwarz, per channel). A candidate whose bound is below the best score found so far is
 //! rejected.
+#![expect(
+    clippy::indexing_slicing,
+    reason = "channels, lanes, points and places are below the lengths of their arrays; the linker test of panics shows that no check remains"
+)]
 
 use super::answer::{Answer, Match, Pool};
 use super::index::{Group, Index, Rest, spectrum};
@@ -16,7 +20,7 @@ use crate::base::scan::Scan;
 use crate::descriptor::harmonics::{HARMONICS, Pair};
 use crate::descriptor::signature::Signature;
 use crate::descriptor::similarity::{Candidate, Peak, Query, Similarity};
-use crate::descriptor::{CHANNELS, Descriptor};
+use crate::descriptor::{BINS_I64, CHANNELS, Descriptor};
 use crate::map::site_map::SiteMap;
 
 /// Number of candidates of the highest bounds, from which alternatives are selected.
@@ -207,6 +211,7 @@ impl Search<'_, '_> {
         }
     }
 
+    #[expect(clippy::cast_possible_truncation, reason = "shifts are below 360")]
     fn insert_if_peak(&mut self, candidate: u32, shift: usize, floor: i32) {
         let here = self.at(shift);
         let [before, after] = circle::beside(shift);
@@ -333,6 +338,7 @@ impl LowQuery {
         self.scale(&weighted);
     }
 
+    #[expect(clippy::cast_possible_truncation, reason = "the norm of the scaled parts is at most 2^14")]
     fn scale(&mut self, weighted: &[[Pair<i64>; HARMONICS]; CHANNELS]) {
         let parts = weighted.as_flattened().as_flattened();
         // Shifted right by 12, the sum of the squares is below 2^61 (Parseval).
@@ -392,6 +398,10 @@ impl LowQuery {
     }
 
     /// The bound, as bits of [`Score`], of a candidate whose low part is at most `low`, in units of the products.
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "norms are shifted to 31 bits, bounds clamped to +-2^30"
+    )]
     fn upper(&self, group: &Group, place: usize, low: i64) -> i32 {
         let exponent = self.exponent(group, place);
         let low = if exponent >= 0 { low << exponent } else { (low >> -exponent) + 1 };
@@ -411,6 +421,10 @@ impl LowQuery {
     }
 
     /// The low part, in units of the products, from which on a candidate can reach a score.
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "a product of norms below 2^63 and of a score of at most 1"
+    )]
     fn reach(&self, group: &Group, place: usize, floor: i32) -> i64 {
         let Sizes { norms, offset } = self.sizes(group, place);
         let product = (i128::from(norms) * i128::from(floor)) >> 30;
@@ -423,7 +437,7 @@ impl LowQuery {
     const fn factor(&self) -> i64 {
         match self.similarity {
             Similarity::Plain => 1,
-            Similarity::Centred => BINS as i64,
+            Similarity::Centred => BINS_I64,
         }
     }
 
@@ -437,11 +451,11 @@ impl LowQuery {
             norm += weight
                 * match self.similarity {
                     Similarity::Plain => square,
-                    Similarity::Centred => BINS as i64 * square - sum * sum,
+                    Similarity::Centred => BINS_I64 * square - sum * sum,
                 };
             offset += self.offset[channel] * sum;
         }
-        let offset = if offset == 0 { 0 } else { offset / BINS as i64 + 1 };
+        let offset = if offset == 0 { 0 } else { offset / BINS_I64 + 1 };
         Sizes { norms: self.norm * norm.unsigned_abs().isqrt(), offset }
     }
 

@@ -5,7 +5,7 @@ use crate::base::num::BINS;
 use crate::base::scan::Scan;
 use crate::descriptor::harmonics::{HARMONICS, Pair, harmonics};
 use crate::descriptor::similarity::Candidate;
-use crate::descriptor::{CHANNELS, Descriptor};
+use crate::descriptor::{BINS_I32, BINS_I64, CHANNELS, Descriptor};
 use crate::map::site_map::SiteMap;
 
 /// Number of candidates in a group: two per lane.
@@ -63,6 +63,11 @@ impl Group {
         }
     }
 
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::indexing_slicing,
+        reason = "coefficients fit 16 bits by the choice of the shift, norms are clamped; places are below GROUP"
+    )]
     fn set(&mut self, place: usize, candidate: &Candidate) {
         let spectrum = candidate.profile().values.each_ref().map(spectrum);
         let shift = headroom(&spectrum);
@@ -85,13 +90,15 @@ impl Group {
 }
 
 /// The harmonics of a channel without its mean.
+#[expect(clippy::cast_possible_truncation, reason = "means of 16-bit values")]
 pub(super) fn spectrum(values: &[i16; BINS]) -> [Pair<i64>; HARMONICS] {
     let sum: i32 = values.iter().map(|&v| i32::from(v)).sum();
-    let mean = (sum / BINS as i32) as i16;
+    let mean = (sum / BINS_I32) as i16;
     harmonics(&values.map(|v| v - mean))
 }
 
 /// Left shift of the coefficients for which none exceeds 16 bits and the norm does not exceed [`LARGEST_NORM`].
+#[expect(clippy::cast_possible_truncation, reason = "at most 12")]
 fn headroom(spectrum: &[[Pair<i64>; HARMONICS]; CHANNELS]) -> u8 {
     let parts = || spectrum.as_flattened().as_flattened().iter().map(|v| v.unsigned_abs());
     let largest = parts().max().unwrap_or(0);
@@ -117,6 +124,7 @@ pub(super) struct Rest {
 
 impl Rest {
     /// From the harmonics of a channel, its sum (Q10) and sum of squares (Q20).
+    #[expect(clippy::cast_possible_truncation, reason = "square roots of 64-bit values fit 32 bits")]
     pub(super) fn of(harmonics: &[Pair<i64>; HARMONICS], sum: i32, square: i32) -> Self {
         // sum_k 2 |R|^2 / (360 2^28), with R shifted down by 8 bits.
         const ENERGY_UNIT: u64 = 180 << 12;
@@ -129,7 +137,7 @@ impl Rest {
             }
         }
         let sum = i64::from(sum);
-        let energy = (i64::from(square) - sum * sum / BINS as i64 + 1).max(0).unsigned_abs();
+        let energy = (i64::from(square) - sum * sum / BINS_I64 + 1).max(0).unsigned_abs();
         // The rounding of the basis changes the kept energy by less than 2^-11 of the whole.
         let left = energy.saturating_sub(kept / ENERGY_UNIT) + (energy >> 11) + 2;
         Self { residual: left.isqrt() as u32 + 1, slope: (slope / ENERGY_UNIT + 1).isqrt() as u32 + 1 }

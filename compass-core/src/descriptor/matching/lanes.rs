@@ -2,6 +2,10 @@
 //!
 //! The inner loops run over all lanes, and each factor is repeated in a lane array, so that compilers generate 16-bit
 //! vector instructions. Cores without them run plain loops, with the same bits.
+#![expect(
+    clippy::indexing_slicing,
+    reason = "lanes and points are below the lengths of their arrays; the linker test of panics shows that no check remains"
+)]
 
 use crate::base::num::{degree_cosine, degree_sine};
 
@@ -41,6 +45,7 @@ pub(super) static TURNS: [[i16; 2]; POINTS] = {
 };
 
 /// cos and sin of 2 pi k / 64 in Q15, 1.0 as 2^15 - 1.
+#[expect(clippy::cast_possible_wrap, reason = "eighths of a degree below 8")]
 const fn turn(k: usize) -> [i16; 2] {
     // Multiples of 5.625 degrees, from the table of whole degrees by angle addition: exact to 2^-28.
     let eighths = k * 45;
@@ -56,6 +61,7 @@ const fn turn(k: usize) -> [i16; 2] {
     [q15(turned_cos), q15(turned_sin)]
 }
 
+#[expect(clippy::cast_possible_truncation, reason = "at most 2^15 in magnitude, saturated")]
 const fn q15(q30: i64) -> i16 {
     let rounded = (q30 + (1 << 14)) >> 15;
     if rounded > i16::MAX as i64 { i16::MAX } else { rounded as i16 }

@@ -17,6 +17,7 @@ const STEPS: usize = 16 * 255 / STEP + 1;
 /// # Cost
 /// One pass over the map, reading 16 bytes per candidate.
 #[must_use]
+#[expect(clippy::cast_possible_truncation, reason = "at most 16 * 257 - 1")]
 pub fn nearest_signatures(map: &SiteMap<'_>, query: &Signature, keep: usize) -> u16 {
     let mut counts = [0_u32; STEPS];
     for record in map.iter() {

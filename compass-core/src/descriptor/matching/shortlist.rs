@@ -58,6 +58,7 @@ impl Board {
     }
 
     /// Inserts the highest local maxima of a candidate, scored exactly, into the pool.
+    #[expect(clippy::cast_possible_truncation, reason = "indices of candidates have 32 bits")]
     fn insert_peaks(&mut self, query: &Query, map: &SiteMap<'_>, index: usize, pool: &mut Pool<'_>) {
         let _ = self.scores(query, map, index);
         for shift in local_peaks(&self.scores) {
@@ -74,6 +75,7 @@ impl Default for Board {
 }
 
 /// The highest local maxima around the circle, at most [`PEAKS`], in no order.
+#[expect(clippy::cast_possible_truncation, reason = "shifts are below 360")]
 pub(super) fn local_peaks(scores: &[Score; BINS]) -> impl Iterator<Item = u16> {
     let scores = Circle::of(scores);
     let mut best = [(Score::MIN, 0_u16); PEAKS];
@@ -108,6 +110,7 @@ pub(super) fn local_peaks(scores: &[Score; BINS]) -> impl Iterator<Item = u16> {
 /// # Cost
 /// One [`SketchQuery::rank`] per candidate, and `ranked.len()` candidates scored at all headings. Cortex-M7: `localize` in
 /// `targets/budget.txt`.
+#[expect(clippy::cast_possible_truncation, reason = "the number of candidates of a map has 32 bits")]
 pub fn shortlist(
     map: &SiteMap<'_>,
     query: &Query,

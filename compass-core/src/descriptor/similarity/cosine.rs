@@ -3,6 +3,7 @@
 use crate::base::num::Score;
 
 /// numerator / sqrt(a b), within 2^-29; 0 if a norm is 0. Saturates if `numerator^2 > a b`, which Cauchy-Schwarz excludes.
+#[expect(clippy::cast_possible_truncation, reason = "clamped to +-2^30")]
 pub(super) fn cosine(numerator: i64, a: u64, b: u64) -> Score {
     let Some((denominator, shift)) = norms(a, b) else { return Score::ZERO };
     let numerator = i128::from(numerator);
@@ -46,6 +47,7 @@ impl Normalizer {
     }
 
     /// The score of a numerator, within 2^-29 of the quotient.
+    #[expect(clippy::cast_possible_truncation, reason = "clamped to +-2^30")]
     pub(super) fn cosine(&self, numerator: i32) -> Score {
         let bits = i64::from(numerator).wrapping_mul(self.reciprocal) >> self.down;
         let one = i64::from(Score::ONE.to_bits());

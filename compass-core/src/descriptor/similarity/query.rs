@@ -7,7 +7,7 @@ use crate::base::confidence::Confidence;
 use crate::base::num::{BINS, Score};
 use crate::descriptor::harmonics::dot;
 use crate::descriptor::spectrum::{Correlator, Extent};
-use crate::descriptor::{CHANNELS, Descriptor};
+use crate::descriptor::{BINS_I32, BINS_I64, CHANNELS, Descriptor};
 
 /// A heading shift of a candidate and its score.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -142,6 +142,7 @@ impl Query {
 
     /// Value of the query without the mean of the channel, times its confidence, in units of 2^-10: the operand of the
     /// correlation of the centred cosine.
+    #[expect(clippy::cast_possible_truncation, reason = "at most 1536 in magnitude")]
     pub(crate) fn balanced(&self, channel: usize, bin: usize) -> i16 {
         let (value, sum) = (i64::from(pick(self.channel(channel), bin)), pick(&self.sums, channel));
         let mask = self.mask.as_ref().map_or(1, |m| i64::from(pick(m, bin)));
@@ -263,6 +264,7 @@ impl Query {
     }
 
     /// Loads the weighted channels of this query into a correlator.
+    #[expect(clippy::cast_possible_truncation, reason = "weights are below 2^8 and values below 2^20")]
     pub fn load(&self, correlator: &mut Correlator) {
         correlator.set_query(CHANNELS, |c, bin| {
             let value = self.centred(i64::from(pick(self.channel(c), bin)), pick(&self.sums, c));
@@ -277,14 +279,14 @@ impl Query {
             match self.similarity {
                 Similarity::Plain => square,
                 // sum (360 v - S)^2 = 360 (360 sum v^2 - S^2)
-                Similarity::Centred => BINS as i64 * (BINS as i64 * square - sum * sum),
+                Similarity::Centred => BINS_I64 * (BINS_I64 * square - sum * sum),
             }
         };
         let total: i64 = candidate.sums.iter().zip(&candidate.squares).map(energy).sum();
         // Values are at most 1536, centred ones 360 times that.
         let largest = match self.similarity {
             Similarity::Plain => 1536,
-            Similarity::Centred => 1536 * BINS as u32,
+            Similarity::Centred => 1536 * BINS_I32.unsigned_abs(),
         };
         Extent { largest, norm: total.unsigned_abs().isqrt() + 1 }
     }
@@ -294,7 +296,7 @@ impl Query {
         match self.similarity {
             Similarity::Plain => value,
             // Below 2^20 in magnitude.
-            Similarity::Centred => BINS as i32 * value - pick(&candidate.sums, channel),
+            Similarity::Centred => BINS_I32 * value - pick(&candidate.sums, channel),
         }
     }
 
@@ -302,10 +304,11 @@ impl Query {
     fn centred(&self, value: i64, sum: i64) -> i64 {
         match self.similarity {
             Similarity::Plain => value,
-            Similarity::Centred => BINS as i64 * value - sum,
+            Similarity::Centred => BINS_I64 * value - sum,
         }
     }
 
+    #[expect(clippy::cast_possible_truncation, reason = "shifts are below 360")]
     fn best_of(&self, candidate: &Candidate, shifts: impl Iterator<Item = usize>) -> Peak {
         let mut best: Option<Peak> = None;
         for shift in shifts {

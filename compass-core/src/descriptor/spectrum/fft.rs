@@ -16,6 +16,10 @@
 //! # Accuracy
 //! Against `rustfft` in f64 on full-scale noise: signal-to-noise ratio at least [`FFT_SNR_DB`], error of a part at most
 //! [`FFT_WORST_LSB`] (test `forward_agrees_with_rustfft`).
+#![expect(
+    clippy::indexing_slicing,
+    reason = "indices are constants or below the length of an array; the linker test of panics shows that no check remains"
+)]
 
 /// Largest error of a part of a transform, LSB.
 pub const FFT_WORST_LSB: i32 = 12;
@@ -44,6 +48,7 @@ static TWIDDLES: [[Complex; 3]; MAX_POINTS / 4] = {
     // cos and sin of 2 pi / 1024 in Q62; the recursion's error stays below 2^-51.
     const COS_1: i128 = 4_611_599_204_741_358_747;
     const SIN_1: i128 = 28_296_773_447_188_932;
+    #[expect(clippy::cast_possible_truncation, reason = "at most 2^31 - 1 in magnitude, or saturated")]
     const fn q31(v: i128) -> i32 {
         let rounded = (v + (1 << 30)) >> 31;
         if rounded > i32::MAX as i128 { i32::MAX } else { rounded as i32 }

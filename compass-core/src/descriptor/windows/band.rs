@@ -50,6 +50,7 @@ impl Lens {
 }
 
 /// Finds the image circle and the mean brightness of every row.
+#[expect(clippy::cast_possible_truncation, reason = "means of 8-bit levels in 1/16, and columns below 2^16")]
 pub(super) fn lens(image: &GrayImage<'_>, rows: &mut [Row], columns: &mut [u16]) -> Lens {
     columns.fill(0);
     let mut lit = 0_u64;
@@ -81,6 +82,7 @@ pub(super) fn lens(image: &GrayImage<'_>, rows: &mut [Row], columns: &mut [u16])
 ///
 /// The score of a row is the density of upright segments, weighted by their lengths, plus half its mean brightness, each
 /// relative to the range of the frame. The band is the run of rows above a percentile of the scores with the largest sum.
+#[expect(clippy::cast_possible_truncation, reason = "rows are below 2^16")]
 pub(super) fn find(
     lens: &Lens,
     segments: &[Segment],
@@ -115,6 +117,7 @@ pub(super) fn find(
 }
 
 /// Replaces the brightness of every row by its score, at most 1536.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "scores are 0 to 1536")]
 fn score(rows: &mut [Row]) {
     let most = rows.iter().map(|r| r.density).max().unwrap_or(0).max(1);
     let low = rows.iter().map(|r| r.brightness).min().unwrap_or(0);
@@ -127,6 +130,10 @@ fn score(rows: &mut [Row]) {
 }
 
 /// Moving average of the scores over `reach` rows to either side, shortened at the ends.
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "means of scores, which are at most 1536, over fewer than 2^16 rows"
+)]
 fn average(rows: &mut [Row], reach: usize) {
     let at = |rows: &[Row], y: usize| rows.get(y).map_or(0, |r| u32::from(r.brightness));
     let mut sum: u32 = (0..reach).map(|y| at(rows, y)).sum();

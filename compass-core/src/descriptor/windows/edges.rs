@@ -23,6 +23,11 @@ pub struct Edge {
 
 impl Edge {
     /// The edge of a segment; `None` if it is not upright or too short.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "coordinates are 0 to 2^20 in 1/16 px, rows below 2^16"
+    )]
     pub(super) fn upright(segment: &Segment, parameters: &Parameters) -> Option<Self> {
         let ends = [segment.x1, segment.y1, segment.x2, segment.y2];
         if !ends.iter().all(|v| (-0.5..=FARTHEST).contains(v)) {
@@ -52,6 +57,7 @@ impl Edge {
     }
 
     /// Adds a segment to the cluster.
+    #[expect(clippy::cast_possible_truncation, reason = "a mean of 32-bit columns, and a saturated length")]
     fn merge(&mut self, other: &Self) {
         let weigh = |edge: &Self| u64::from(edge.x) * u64::from(edge.length);
         let total = u64::from(self.length) + u64::from(other.length);

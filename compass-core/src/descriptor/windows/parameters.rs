@@ -59,6 +59,7 @@ impl Default for Parameters {
 
 impl Parameters {
     /// The parameters with lengths scaled to an image of this width, at least 1 pixel.
+    #[expect(clippy::cast_possible_truncation, reason = "clamped to 16 bits")]
     pub(super) fn scaled(self, width: u32) -> Self {
         let scale = |length: u16| {
             let length = u64::from(length) * u64::from(width) / u64::from(REFERENCE_WIDTH);

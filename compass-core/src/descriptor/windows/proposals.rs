@@ -25,6 +25,7 @@ pub(super) struct Levels {
 
 impl Levels {
     /// The thresholds of the scene pixels in the band.
+    #[expect(clippy::cast_possible_truncation, reason = "gradients are counted in 64 bins")]
     pub(super) fn new(image: &GrayImage<'_>, lens: &Lens, band: (u16, u16), parameters: &Parameters) -> Self {
         let mut brightness = [0_u32; BINS];
         let mut texture = [0_u32; BINS];
@@ -121,6 +122,10 @@ pub(super) fn pair(
 
 /// The box between two edges over their common rows, with the support of the edges as score; `None` if they share too
 /// little height.
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "columns and rows are bounded by the image, supports are at most 64"
+)]
 fn window(image: &GrayImage<'_>, left: &Edge, right: &Edge, parameters: &Parameters) -> Option<ImageWindow> {
     let (y0, y1) = left.shared(right)?;
     let y1 = u32::from(y1).min(image.height()) as u16;
@@ -137,6 +142,7 @@ fn window(image: &GrayImage<'_>, left: &Edge, right: &Edge, parameters: &Paramet
 }
 
 /// Tests a box for brightness, contrast and texture, and completes its score.
+#[expect(clippy::cast_possible_truncation, reason = "at most 255 + 510")]
 fn check(image: &GrayImage<'_>, window: ImageWindow, levels: &Levels, parameters: &Parameters) -> Proposal {
     let ImageWindow { x0, y0, x1, y1, score } = window;
     let reject = |reason| Proposal { window: ImageWindow { score: 0, ..window }, rejection: Some(reason) };

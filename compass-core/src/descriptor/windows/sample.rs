@@ -85,6 +85,7 @@ pub(super) fn pixel(rows: [&[u8]; 3], x: usize) -> Option<(u8, u32)> {
 }
 
 /// The percentile of a histogram: the lowest bin with at least `percent` percent of the counts at or below it.
+#[expect(clippy::cast_possible_truncation, reason = "the value is 63")]
 pub(super) fn percentile(bins: &[u32; BINS], percent: u8) -> u32 {
     let total: u64 = bins.iter().map(|&n| u64::from(n)).sum();
     let wanted = (total * u64::from(percent.min(100))).div_ceil(100);

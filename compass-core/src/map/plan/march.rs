@@ -57,6 +57,7 @@ struct Axis {
 const TILE_MASK: u32 = (TILE << 16) - 1;
 
 impl Axis {
+    #[expect(clippy::cast_possible_truncation, reason = "march steps are at most 20 cells, Q16")]
     fn new(start: i64, step: i64) -> Self {
         // Rounded up, so that the inverse is rounded down.
         let magnitude = (step.unsigned_abs() >> 16) as u32 + 1;
@@ -74,11 +75,17 @@ impl Axis {
     }
 
     /// Cell within the tile, 0..8.
+    #[expect(clippy::cast_sign_loss, reason = "masked to 3 bits")]
     fn cell(&self) -> u32 {
         (self.at >> 32) as u32 & (TILE - 1)
     }
 
     /// Lower bound of the number of steps that stay within this tile and `tiles` further ones.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "masked to the offset within a tile"
+    )]
     fn steps_within(&self, tiles: u32) -> u32 {
         let offset = ((self.at >> 16) as u32 ^ self.flip) & TILE_MASK;
         let cells = offset + tiles * (TILE << 16);
@@ -162,6 +169,7 @@ impl Plan<'_> {
     }
 
     /// Follows one ray to its first occupied sample.
+    #[expect(clippy::cast_possible_truncation, reason = "samples are at most MAX_STEPS")]
     fn march(&self, mut ray: Ray) -> (u16, Hit) {
         let mut sample = 1_u32;
         while sample <= u32::from(MAX_STEPS) {

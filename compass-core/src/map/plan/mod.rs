@@ -224,6 +224,7 @@ impl<'a> Plan<'a> {
     }
 
     /// Coordinates in cells, Q32, saturating.
+    #[expect(clippy::cast_possible_truncation, reason = "clamped to a quarter of 64 bits")]
     fn cells(&self, at: Point) -> (i64, i64) {
         let scale = |v: Metres, origin: Metres| {
             let metres = i128::from(v.to_bits()) - i128::from(origin.to_bits());

@@ -92,6 +92,7 @@ fn pattern(walls: &BitMask<'_>, windows: &BitMask<'_>, tx: u32, ty: u32) -> Opti
 
 /// Fills the row table, the patterns and the entries of occupied tiles; the entries of empty tiles become
 /// [`MAX_DISTANCE`]. Returns the number of occupied tiles.
+#[expect(clippy::cast_possible_truncation, reason = "a row has at most 8192 tiles")]
 fn write_tiles(
     walls: &BitMask<'_>,
     windows: &BitMask<'_>,

@@ -36,6 +36,7 @@ pub(super) struct Cursor {
 
 impl Cursor {
     /// A cursor behind the entries of a number of floors, at most 32.
+    #[expect(clippy::cast_possible_truncation, reason = "at most 32 floors")]
     pub(super) const fn new(floors: usize) -> Self {
         Self { end: (HEADER_BYTES + ENTRY_BYTES * floors) as u32 }
     }

@@ -28,6 +28,7 @@ impl<'a> Site<'a> {
     ///
     /// # Cost
     /// Reads the headers of all floors, not their contents.
+    #[expect(clippy::cast_possible_truncation, reason = "at most 32 floors")]
     pub fn new(bytes: &'a [u8]) -> Result<Self, SiteError> {
         if !bytes.starts_with(&MAGIC) {
             let short = bytes.len() < MAGIC.len() && MAGIC.starts_with(bytes);

@@ -23,6 +23,7 @@ impl<'f, 'a> Writer<'f, 'a> {
     /// # Errors
     /// [`SiteError::Floors`] for 0 or more than [`MAX_FLOORS`] floors, [`SiteError::SameName`] for two floors of one name,
     /// [`SiteError::Length`] for 4 GiB or more.
+    #[expect(clippy::cast_possible_truncation, reason = "at most 32 floors")]
     pub fn new(floors: &'f [Floor<'a>]) -> Result<Self, SiteError> {
         if !(1..=MAX_FLOORS).contains(&floors.len()) {
             return Err(SiteError::Floors);
@@ -67,6 +68,7 @@ impl<'f, 'a> Writer<'f, 'a> {
     }
 }
 
+#[expect(clippy::cast_possible_truncation, reason = "at most 32 floors")]
 fn header(entries: &[Entry]) -> [u8; HEADER_BYTES] {
     let mut bytes = [0; HEADER_BYTES];
     let (summed, crc) = bytes.split_at_mut(SUMMED_BYTES);
@@ -78,6 +80,10 @@ fn header(entries: &[Entry]) -> [u8; HEADER_BYTES] {
     bytes
 }
 
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "names have at most 23 bytes, parts fewer than 2^32: checked by `Writer::new`"
+)]
 fn entry_of(floor: &Floor<'_>, cursor: &mut Cursor) -> Entry {
     let mut entry = [0; ENTRY_BYTES];
     let (name, parts) = entry.split_at_mut(NAME_BYTES);

@@ -20,6 +20,11 @@ const OPEN: u8 = 255;
 const RUNGS: usize = 255;
 
 /// Steps per code: `next = this + max(1, this / GROWTH)`, the rung of code 254 being 1500.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::indexing_slicing,
+    reason = "evaluated at compile time, at most MAX_STEPS"
+)]
 pub(crate) const LADDER: [u16; RUNGS] = {
     // In 1/1024 steps, so that rounding errors do not accumulate.
     const GROWTH: u32 = 60;
@@ -89,6 +94,7 @@ pub(crate) fn unpack(bytes: &[u8; PACKED_SCAN_BYTES], scan: &mut Scan) {
 }
 
 /// The code of the nearest rung; of two rungs at the same distance the lower one.
+#[expect(clippy::cast_possible_truncation, reason = "codes of ranges are at most 254")]
 pub(crate) fn ladder_code(steps: u16) -> u8 {
     let above = LADDER.partition_point(|&rung| rung < steps);
     let rung = |code: usize| LADDER.get(code).copied();

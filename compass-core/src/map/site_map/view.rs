@@ -178,6 +178,10 @@ impl<'a> LayerView<'a> {
     }
 }
 
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "fields of 16 and 8 bits at the beginning of the words read"
+)]
 fn read_header(bytes: &[u8]) -> Result<Header, SiteMapError> {
     let header: &[u8; HEADER_BYTES] = bytes.first_chunk().ok_or(SiteMapError::Length)?;
     let u32_at = |at: usize| {

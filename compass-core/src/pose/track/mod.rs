@@ -288,6 +288,7 @@ impl Past<'_> {
 
 impl Widths {
     /// Logarithm of the Gaussian density of a transition, relative to its maximum at the predicted pose.
+    #[expect(clippy::cast_possible_truncation, reason = "conversions from float saturate")]
     fn log_density(&self, predicted: &ScoredPose, pose: &ScoredPose) -> LogWeight {
         let [dx, dy] = between(predicted.at, pose.at);
         let turn = turned(predicted.heading, pose.heading) / self.radians;
@@ -338,6 +339,11 @@ fn turned(from: Turn, to: Turn) -> f32 {
 }
 
 /// Conversion from radians.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "conversions from float saturate"
+)]
 fn turn_of(radians: f32) -> Turn {
     let turns = finite(radians) / (2.0 * PI);
     let rest = turns - libm::floorf(turns);
@@ -346,6 +352,7 @@ fn turn_of(radians: f32) -> Turn {
 }
 
 /// Conversion from metres, saturated.
+#[expect(clippy::cast_possible_truncation, reason = "conversions from float saturate")]
 fn metres(length: f32) -> Metres {
     // Rounded to the nearest like the conversions of `fixed`, which panic on NaN.
     Metres::from_bits(libm::rintf(finite(length) * 4_294_967_296.0) as i64)
@@ -366,6 +373,7 @@ fn exp(weight: LogWeight) -> f32 {
 }
 
 /// The log weight of a probability.
+#[expect(clippy::cast_possible_truncation, reason = "conversions from float saturate")]
 fn log(probability: f32) -> LogWeight {
     LogWeight::from_bits(libm::roundf(NAT * libm::logf(probability)) as i32)
 }
