@@ -1,7 +1,7 @@
-//! Scans, descriptors and scores on any `embedded-graphics` display.
+//! Drawing of scans, descriptors and scores on any `embedded-graphics` display (feature `draw`).
 //!
-//! Needs the feature `draw`. Everything is clipped to the area given; colours are the caller's, so
-//! that the same code serves a monochrome and a colour display.
+//! Drawings are clipped to the given area. The caller gives the colours, so that monochrome and colour displays are
+//! supported alike.
 
 use crate::base::num::{BINS, ChannelValue, Score, Turn};
 use crate::base::scan::{Hit, MAX_STEPS, Scan};
@@ -18,7 +18,7 @@ use embedded_graphics::primitives::{Line, Primitive as _, PrimitiveStyle, Rectan
 pub struct HitColors<C> {
     /// Colour of walls.
     pub wall: C,
-    /// Colour of glazing.
+    /// Colour of windows.
     pub window: C,
     /// Colour of open bins.
     pub open: C,
@@ -34,12 +34,13 @@ impl<C: PixelColor> HitColors<C> {
     }
 }
 
-/// Draws a scan seen from above: the robot in the middle of `area`, its heading up, one dot a bin.
+/// Draws a scan as a top view: the robot in the middle of `area`, its heading up, one pixel per bin.
 ///
-/// `full_scale` is the range in steps that reaches the border; farther hits are not drawn.
+/// `full_scale` is the range in march steps of 0.02 m at the border of the area; hits beyond it are not drawn.
 ///
 /// # Errors
-/// What the display reports.
+/// The error of the display.
+#[expect(clippy::cast_possible_truncation, reason = "at most the radius of the area")]
 pub fn scan<D: DrawTarget>(
     display: &mut D,
     area: Rectangle,
@@ -63,10 +64,15 @@ pub fn scan<D: DrawTarget>(
     display.clipped(&area).draw_iter(pixels)
 }
 
-/// Draws the five channels of a descriptor as bar charts below each other, bin 0 at the left.
+/// Draws the five channels of a descriptor as bar charts in rows, bin 0 at the left, 1.0 at full height.
 ///
 /// # Errors
-/// What the display reports.
+/// The error of the display.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    reason = "rows lie within the area, whose size fits 32 bits with sign"
+)]
 pub fn descriptor<D: DrawTarget>(
     display: &mut D,
     area: Rectangle,
@@ -77,7 +83,7 @@ pub fn descriptor<D: DrawTarget>(
     for (row, channel) in (0..).zip(&descriptor.levels) {
         let top_left = area.top_left + Point::new(0, (row * height) as i32);
         let chart = Rectangle::new(top_left, Size::new(area.size.width, height));
-        // One pixel stays free between two charts.
+        // One pixel row is left free between two charts.
         let bar =
             |level: ChannelValue| (i64::from(height.saturating_sub(1)) * i64::from(level.to_bits())) >> 14;
         bars(display, chart, |bin| channel.get(bin).map_or(0, |&level| bar(level)), color)?;
@@ -85,10 +91,11 @@ pub fn descriptor<D: DrawTarget>(
     Ok(())
 }
 
-/// Draws the scores of all 360 headings as one bar chart; scores of 0 and less are empty.
+/// Draws the scores of 360 headings as a bar chart, heading 0 at the left, 1.0 at full height. Scores of 0 and less have
+/// no bar.
 ///
 /// # Errors
-/// What the display reports.
+/// The error of the display.
 pub fn scores<D: DrawTarget>(
     display: &mut D,
     area: Rectangle,
@@ -99,7 +106,12 @@ pub fn scores<D: DrawTarget>(
     bars(display, area, |bin| scores.get(bin).map_or(0, |&score| bar(score)), color)
 }
 
-/// One bar per pixel column; of several bins in a column the highest counts.
+/// Draws one bar per pixel column: the highest of the bins in the column.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    reason = "bars lie within twice the area, whose size fits 32 bits with sign"
+)]
 fn bars<D: DrawTarget>(
     display: &mut D,
     area: Rectangle,
@@ -133,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn a_wall_ahead_is_drawn_above() {
+    fn a_wall_ahead_is_drawn_above_the_middle() {
         let mut some = Scan::OPEN;
         (some.steps[0], some.hit[0]) = (50, Hit::Wall);
         (some.steps[90], some.hit[90]) = (100, Hit::Window);
@@ -144,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn scores_are_bars() {
+    fn scores_are_drawn_as_bars() {
         let mut some = [Score::ZERO; BINS];
         some[0..90].fill(Score::ONE);
         some[180..270].fill(Score::ONE / 2);
@@ -155,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn descriptors_fill_five_rows() {
+    fn descriptors_are_drawn_in_five_rows() {
         let mut display = display();
         let area = Rectangle::new(Point::zero(), Size::new(6, 20));
         descriptor(&mut display, area, &Descriptor::from(&Scan::OPEN), BinaryColor::On).unwrap();

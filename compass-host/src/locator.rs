@@ -6,7 +6,7 @@ use crate::wide::wide;
 use compass_core::base::raster::RgbImage;
 use compass_core::locator::{self, Frames, LAYERS_OF_A_SITE, Picture, Stage, Trace};
 use compass_core::pose::evidence::EvidenceTable;
-use compass_core::pose::{Answer, FloorLayer};
+use compass_core::pose::{Alternatives, FloorLayer};
 use compass_core::vision::attitude::LEAST_INLIERS;
 use compass_core::vision::boundary::BoundaryEvidence;
 use compass_core::vision::camera::{Bearing, Rig};
@@ -181,7 +181,7 @@ impl<'a> Locator<'a> {
     }
 
     /// Finds the poses that explain some evidence best, which `fill` writes into an empty table.
-    pub fn explain(&mut self, fill: impl FnOnce(&mut EvidenceTable)) -> Answer {
+    pub fn explain(&mut self, fill: impl FnOnce(&mut EvidenceTable)) -> Alternatives {
         self.0.explain(fill)
     }
 }

@@ -1,7 +1,7 @@
 //! The 5 x 360 descriptor of a scan (paper: multi-channel scene signature).
 //!
-//! Channels 0 to 3 are rationals of whole march steps, rounded once to [`ChannelValue`]: every value is within
-//! 2^-14 of the real one. Channel 4 is the root of one, within 2^-13.
+//! Channels 0 to 3 are rational in whole march steps and rounded once to [`ChannelValue`]: within 2^-14 of the real value.
+//! Channel 4 is a square root: within 2^-13.
 
 use crate::base::num::{BINS, ChannelValue};
 use crate::base::scan::{Hit, MAX_STEPS, STEPS_PER_METRE, Scan};
@@ -13,15 +13,15 @@ pub const CHANNELS: usize = 5;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Channel {
-    /// r / `r_max`.
+    /// Range r / 30 m.
     Range = 0,
-    /// 1.0 wall, 0.5 window, 0.0 open.
+    /// Hit type: 1.0 wall, 0.5 window, 0.0 open.
     HitType = 1,
-    /// min(|dr/dtheta| / 5 m, 1), by central difference, per bin.
+    /// min(|dr/dtheta| / 5 m, 1): central difference of the range per bin.
     Gradient = 2,
-    /// 1 / (1 + r in metres).
+    /// Proximity 1 / (1 + r), r in metres.
     Proximity = 3,
-    /// Standard deviation of r over bins j-5..=j+5, over 10 m (at most 1.5).
+    /// Standard deviation of r over the bins j-5..=j+5, divided by 10 m; at most 1.5.
     Deviation = 4,
 }
 
@@ -31,12 +31,13 @@ impl Channel {
         [Self::Range, Self::HitType, Self::Gradient, Self::Proximity, Self::Deviation];
 }
 
-/// Bound of the difference to the real-valued channels where the ranges agree: 2^-9.
+/// Accuracy bound of a channel value against the real-valued descriptor of the same ranges: 2^-9.
 pub const LEVEL_ERROR: ChannelValue = ChannelValue::from_bits(1 << 5);
 
-/// Bins on each side of bin j that [`Channel::Deviation`] looks at.
+/// Half width in bins of the window of [`Channel::Deviation`].
 pub const DEVIATION_REACH: usize = 5;
-/// Bins in its window.
+/// Width of that window in bins.
+#[expect(clippy::cast_possible_truncation, reason = "the value is 11")]
 const WINDOW: u32 = 2 * DEVIATION_REACH as u32 + 1;
 
 /// Five channels of 360 circular bins.
@@ -53,10 +54,24 @@ impl Default for Descriptor {
 }
 
 impl Descriptor {
-    /// All zero: a place to [`Descriptor::fill`].
+    /// All zero, to be filled by [`Descriptor::fill`].
     pub const ZERO: Self = Self { levels: [[ChannelValue::ZERO; BINS]; CHANNELS] };
 
-    /// Fills the descriptor from a scan.
+    /// Computes the descriptor of a scan.
+    ///
+    /// # Formats
+    /// Ranges in march steps of 0.02 m, 1 to 1500; channel values in I2F14, within [0, 1], [`Channel::Deviation`] within
+    /// [0, 1.5].
+    ///
+    /// # Accuracy
+    /// Within 2^-14 of the real value, [`Channel::Deviation`] within 2^-13 (test `every_channel_is_within_its_bound`).
+    ///
+    /// # Cost
+    /// Linear in the bins: two divisions per bin for range and proximity, one for the gradient, a square root and a
+    /// division for the deviation, whose sums are running sums. Cortex-M7: `descriptor` in `targets/budget.txt`.
+    ///
+    /// # References
+    /// The paper's multi-channel scene signature.
     pub fn fill(&mut self, scan: &Scan) {
         let [range, hit_type, gradient, proximity, deviation] = &mut self.levels;
         for (level, &steps) in range.iter_mut().zip(&scan.steps) {
@@ -73,7 +88,7 @@ impl Descriptor {
         fill_deviation(deviation, &scan.steps);
     }
 
-    /// One channel.
+    /// The values of a channel.
     #[must_use]
     pub const fn channel(&self, channel: Channel) -> &[ChannelValue; BINS] {
         let [range, hit_type, gradient, proximity, deviation] = &self.levels;
@@ -95,7 +110,7 @@ impl From<&Scan> for Descriptor {
     }
 }
 
-/// The level of a hit type (paper: 1.0, 0.5, 0.0).
+/// The channel value of a hit type (paper: 1.0 wall, 0.5 window, 0.0 open).
 #[must_use]
 pub const fn hit_level(hit: Hit) -> ChannelValue {
     match hit {
@@ -105,12 +120,16 @@ pub const fn hit_level(hit: Hit) -> ChannelValue {
     }
 }
 
-/// numerator / denominator as a level, rounded to the nearest; the quotient must be below 2.
+/// numerator / denominator as a channel value, rounded to the nearest; the quotient must be below 2.
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "quotients are below 2, so that 14 fractional bits fit 16 bits"
+)]
 const fn ratio(numerator: u32, denominator: u32) -> ChannelValue {
     ChannelValue::from_bits((((numerator << 14) + denominator / 2) / denominator) as i16)
 }
 
-/// min(|r[j+1] - r[j-1]| / 2 / 5 m, 1): the difference in steps over 500.
+/// min(|r[j+1] - r[j-1]| / 2 / 5 m, 1): the difference in steps divided by 500.
 fn fill_gradient(levels: &mut [ChannelValue; BINS], steps: &[u16; BINS]) {
     let saturated = 500;
     let after = steps.iter().cycle().skip(1);
@@ -120,7 +139,7 @@ fn fill_gradient(levels: &mut [ChannelValue; BINS], steps: &[u16; BINS]) {
     }
 }
 
-/// Running sums over the circular window, then sqrt(n sum(r^2) - sum(r)^2) / n.
+/// Standard deviation from running sums over the circular window: sqrt(n sum(r^2) - sum(r)^2) / n.
 fn fill_deviation(levels: &mut [ChannelValue; BINS], steps: &[u16; BINS]) {
     let (mut sum, mut squares) = (0_u32, 0_u32);
     let first = BINS - DEVIATION_REACH;
@@ -137,7 +156,7 @@ fn fill_deviation(levels: &mut [ChannelValue; BINS], steps: &[u16; BINS]) {
     }
 }
 
-/// The deviation of 11 ranges from their sum and sum of squares, in steps, as a level.
+/// The standard deviation of 11 ranges as a channel value, from sum and sum of squares in steps.
 fn deviation(sum: u32, squares: u32) -> ChannelValue {
     // 121 variance, at most 121 * 750^2 < 2^26.1: four more bits fit.
     let spread = (WINDOW * squares - sum * sum) << 4;
@@ -191,7 +210,7 @@ mod tests {
         }
 
         #[test]
-        fn turning_the_scan_turns_the_descriptor(scan in scans(), by in 0usize..360) {
+        fn rotation_of_the_scan_rotates_the_descriptor(scan in scans(), by in 0usize..360) {
             let mut turned = scan;
             turned.steps.rotate_left(by);
             turned.hit.rotate_left(by);

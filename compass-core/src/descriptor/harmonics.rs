@@ -1,16 +1,17 @@
-//! Low harmonics of 360 bins, for the sketches and bounds of the search.
+//! Low harmonics of 360 bins, for sketches and for the bounds of the exhaustive search.
 //!
 //! `R_k = sum_j v_j exp(-2 pi i j k / 360)` for k in 1..=32, with cosines and sines in Q14.
 
 use crate::base::num::{BINS, degree_cosine, degree_sine};
 
-/// Harmonics that the exact search bounds with.
+/// Number of harmonics in the bounds of the exhaustive search.
 pub(crate) const HARMONICS: usize = 32;
 
 /// Real and imaginary part.
 pub(crate) type Pair<T> = [T; 2];
 
 /// cos and -sin of 2 pi j k / 360 in Q14, for k in 1..=32.
+#[expect(clippy::indexing_slicing, reason = "evaluated at compile time")]
 static BASIS: [Pair<[i16; BINS]>; HARMONICS] = {
     let mut basis = [[[0; BINS]; 2]; HARMONICS];
     let mut k = 0;
@@ -28,7 +29,7 @@ static BASIS: [Pair<[i16; BINS]>; HARMONICS] = {
     basis
 };
 
-/// The first `N` harmonics of a channel, N at most 32, in units of 2^-14 of the values'.
+/// The first `N` harmonics of a channel, N at most 32, in units of 2^-14 of those of the values.
 ///
 /// # Formats
 /// Values within +-1820, so that 72 products with Q14 fit 32 bits.
@@ -42,7 +43,7 @@ pub(crate) fn harmonics<const N: usize>(values: &[i16; BINS]) -> [Pair<i64>; N] 
     out
 }
 
-/// The sum of products; a block of `BLOCK` products must fit 32 bits.
+/// The dot product. The sum of `BLOCK` products must fit 32 bits.
 pub(crate) fn dot<const BLOCK: usize>(a: &[i16], b: &[i16; BINS]) -> i64 {
     let blocks = a.as_chunks::<BLOCK>().0.iter().zip(b.as_chunks::<BLOCK>().0);
     blocks

@@ -1,4 +1,4 @@
-//! The paper's method, whole and by itself: a scan as a descriptor of five channels, and where on a site map it fits best.
+//! The paper's method: a scan as a descriptor of five channels, and its matching against a site map.
 //!
 //! | module | owns |
 //! |---|---|
@@ -8,7 +8,7 @@
 //! | [`signature`] | the rotation-invariant transition signature |
 //! | [`sketch`] | a low-pass descriptor of 24 bytes |
 //! | [`matching`] | search over candidates and headings |
-//! | [`windows`] | the paper's window finder, on one image |
+//! | `windows` | the paper's window finder in one image (feature `paper-windows`) |
 
 pub mod channels;
 mod harmonics;
@@ -19,19 +19,28 @@ pub mod sketch;
 pub mod spectrum;
 pub mod windows;
 
+/// [`BINS`] as a factor of sums.
+#[expect(clippy::cast_possible_wrap, reason = "the value is 360")]
+const BINS_I64: i64 = BINS as i64;
+/// [`BINS`] as a factor of values.
+#[expect(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "the value is 360")]
+const BINS_I32: i32 = BINS as i32;
+
 pub use channels::{CHANNELS, Channel, Descriptor};
 
+use crate::base::num::BINS;
 use crate::base::scan::Scan;
 use crate::map::site_map::{Layer, PackedScan};
 use signature::Signature;
 use similarity::Candidate;
 use sketch::Sketch;
 
-/// A scan cast with heading 0 as a site map stores it: packed, with its signature and its sketch.
+/// The layer of a site map for a scan cast with heading 0: packed scan, signature and sketch.
+///
+/// Signature and sketch are computed from the packed scan, so that they agree with what a reader unpacks.
 #[must_use]
 pub fn layer_of(scan: &Scan) -> Layer {
     let packed = PackedScan::new(scan);
-    // Everything is derived from what a reader will see.
     let mut kept = Scan::OPEN;
     packed.unpack(&mut kept);
     let sketch = Sketch::new(&Candidate::from(&Descriptor::from(&kept)));

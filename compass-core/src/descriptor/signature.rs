@@ -1,18 +1,16 @@
-//! The transition signature: 16 bytes that do not change under rotation.
+//! The transition signature: 16 bytes that are invariant under rotation.
 //!
-//! It counts what lies between the transitions of the hit type around the circle (how many runs of
-//! glazing and of wall, how many bins in short and long ones) and adds six quantiles of the range.
-//! Counts and quantiles do not know where bin 0 is, so a heading shift leaves them as they are. They
-//! survive a few wrong bins: hit types pass a circular majority of five first, so up to two wrong
-//! bins in five vanish, and a wrong range moves each quantile by at most one rank.
+//! It counts the runs of equal hit type around the circle and their bins by length of the run, and adds six quantiles of
+//! the range. None of these depends on the position of bin 0. Single wrong bins change little: a circular majority filter
+//! of five bins removes up to two wrong hit types in five, and a wrong range moves each quantile by at most one rank.
 //!
 //! | byte | content |
 //! |---|---|
-//! | 0 | glazed bins / 2 |
+//! | 0 | window bins / 2 |
 //! | 1 | runs of equal hit type x 2, at most 254 |
-//! | 2..=5 | glazed bins / 2 in runs of at most 4, 12, 36 and more bins |
-//! | 6..=9 | other bins / 2, likewise |
-//! | 10..=15 | range at ranks 30, 90, 150, 210, 270, 330 of 360, half the code of the range ladder |
+//! | 2..=5 | window bins / 2 in runs of at most 4, at most 12, at most 36 and more bins |
+//! | 6..=9 | other bins / 2 in runs of the same classes |
+//! | 10..=15 | range at ranks 30, 90, 150, 210, 270, 330 of 360, half the range code of a packed scan |
 
 use crate::base::circle::Circle;
 use crate::base::num::BINS;
@@ -20,9 +18,9 @@ use crate::base::order;
 use crate::base::scan::{Hit, Scan};
 use crate::map::site_map::{LayerView, SIGNATURE_BYTES, ladder_code};
 
-/// Longest run of each class but the last.
+/// Upper limits of the classes of run lengths, in bins; the last class has none.
 const RUN_CLASSES: [usize; 3] = [4, 12, 36];
-/// Ranks at which the sorted ranges are sampled.
+/// Ranks of the quantiles.
 const RANKS: [usize; 6] = [30, 90, 150, 210, 270, 330];
 
 /// A rotation-invariant digest of a scan.
@@ -32,12 +30,22 @@ pub struct Signature(pub [u8; SIGNATURE_BYTES]);
 
 impl Signature {
     /// The signature of a scan.
+    ///
+    /// # Accuracy
+    /// Invariant under rotation of the scan by whole bins (test `signatures_are_invariant_under_rotation`).
+    ///
+    /// # Cost
+    /// Two passes over the bins and a heap sort of 360 ranges.
+    ///
+    /// # References
+    /// The transition signature is not part of the paper.
     #[must_use]
+    #[expect(clippy::cast_possible_truncation, reason = "half of at most 360 bins, and at most 254")]
     pub fn new(scan: &Scan) -> Self {
-        let glazed = smooth(&scan.hit);
-        let bins = glazed.bins().iter().filter(|&&g| g).count();
+        let windows = smooth(&scan.hit);
+        let bins = windows.bins().iter().filter(|&&g| g).count();
         let mut counts = Counts::default();
-        counts.add_runs(&glazed);
+        counts.add_runs(&windows);
         let mut sorted = scan.steps;
         order::sort_by_key(&mut sorted, |steps| *steps);
         let quantiles = RANKS.map(|rank| ladder_code(sorted.get(rank).copied().unwrap_or(1)) / 2);
@@ -47,7 +55,7 @@ impl Signature {
         let mut bytes = [0; SIGNATURE_BYTES];
         let values = [half(bins), runs]
             .into_iter()
-            .chain(counts.glazed.map(half))
+            .chain(counts.windows.map(half))
             .chain(counts.other.map(half))
             .chain(quantiles);
         for (byte, value) in bytes.iter_mut().zip(values) {
@@ -56,35 +64,35 @@ impl Signature {
         Self(bytes)
     }
 
-    /// The signature that a site map stores of a layer.
+    /// The signature stored in a layer of a site map.
     #[must_use]
     pub fn stored(layer: &LayerView<'_>) -> Self {
         Self(*layer.signature_bytes())
     }
 
-    /// Sum of absolute differences, 0..=4080.
+    /// Sum of the absolute differences of the bytes, 0..=4080.
     #[must_use]
     pub fn distance(&self, other: &Self) -> u16 {
         self.0.iter().zip(&other.0).map(|(a, b)| u16::from(a.abs_diff(*b))).sum()
     }
 }
 
-/// Bins in runs, by the length of the run.
+/// Number of runs, and number of bins by class of run length.
 #[derive(Default)]
 struct Counts {
     runs: usize,
-    glazed: [usize; RUN_CLASSES.len() + 1],
+    windows: [usize; RUN_CLASSES.len() + 1],
     other: [usize; RUN_CLASSES.len() + 1],
 }
 
 impl Counts {
-    fn add_runs(&mut self, glazed: &Circle<bool>) {
-        // Begin at a transition, so that no run is cut in two.
-        let begins = |bin: &usize| glazed.get(*bin) != glazed.get(*bin + BINS - 1);
+    fn add_runs(&mut self, windows: &Circle<bool>) {
+        // Start at a transition, so that no run is split.
+        let begins = |bin: &usize| windows.get(*bin) != windows.get(*bin + BINS - 1);
         let start = (0..BINS).find(begins).unwrap_or(0);
-        let (mut length, mut value) = (0, glazed.get(start));
+        let (mut length, mut value) = (0, windows.get(start));
         for bin in start..start + BINS {
-            let here = glazed.get(bin);
+            let here = windows.get(bin);
             if here == value {
                 length += 1;
             } else {
@@ -95,9 +103,9 @@ impl Counts {
         self.add_run(value, length);
     }
 
-    fn add_run(&mut self, glazed: bool, length: usize) {
+    fn add_run(&mut self, windows: bool, length: usize) {
         let class = RUN_CLASSES.iter().take_while(|&&longest| length > longest).count();
-        let counts = if glazed { &mut self.glazed } else { &mut self.other };
+        let counts = if windows { &mut self.windows } else { &mut self.other };
         if let Some(count) = counts.get_mut(class) {
             *count += length;
         }
@@ -105,11 +113,11 @@ impl Counts {
     }
 }
 
-/// Which bins are glazed by a circular majority of five.
+/// Window bins after a circular majority filter of five bins.
 fn smooth(hit: &[Hit; BINS]) -> Circle<bool> {
     let hit = Circle::of(hit);
-    let glazed = |bin: usize| hit.get(bin) == Hit::Window;
-    Circle::from_fn(|bin| (0..5).filter(|offset| glazed(bin + BINS - 2 + offset)).count() >= 3)
+    let windows = |bin: usize| hit.get(bin) == Hit::Window;
+    Circle::from_fn(|bin| (0..5).filter(|offset| windows(bin + BINS - 2 + offset)).count() >= 3)
 }
 
 #[cfg(test)]
@@ -129,7 +137,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn rotation_leaves_it_alone(seed: u64, by in 0usize..360) {
+        fn signatures_are_invariant_under_rotation(seed: u64, by in 0usize..360) {
             let mut turned = scan(seed);
             turned.steps.rotate_left(by);
             turned.hit.rotate_left(by);
@@ -137,7 +145,7 @@ mod tests {
         }
 
         #[test]
-        fn two_wrong_bins_move_it_little(seed: u64, at in 0usize..360) {
+        fn two_wrong_bins_change_the_signature_little(seed: u64, at in 0usize..360) {
             let original = scan(seed);
             let mut wrong = original;
             for j in [at, (at + 180) % 360] {
@@ -151,7 +159,7 @@ mod tests {
     }
 
     #[test]
-    fn counts_of_a_known_circle() {
+    fn runs_of_a_known_scan_are_counted() {
         let mut scan = Scan { steps: [100; BINS], hit: [Hit::Wall; BINS] };
         scan.hit[350..].fill(Hit::Window);
         scan.hit[..10].fill(Hit::Window);

@@ -1,7 +1,7 @@
 //! A sketch of a descriptor in 24 bytes: the first six harmonics of the range and hit-type channels.
 //!
-//! Phases are kept, so two sketches can be laid over each other at any heading. It serves a board
-//! that cannot hold an index: all candidates are ranked by their sketches, the best are scored fully.
+//! A sketch keeps the phases, so that two sketches can be correlated at any heading. [`shortlist`](super::matching::shortlist())
+//! ranks all candidates by their sketches, without an index in RAM, and scores the best of them exactly.
 
 use super::channels::Channel;
 #[cfg(test)]
@@ -11,16 +11,19 @@ use crate::descriptor::harmonics::{Pair, harmonics};
 use crate::descriptor::similarity::{Candidate, Query};
 use crate::map::site_map::{LayerView, SKETCH_BYTES};
 
-/// Harmonics kept of each of the two channels.
+/// Number of harmonics per channel.
 pub const SKETCH_HARMONICS: usize = 6;
-/// Headings at which two sketches are compared: every 11.25 degrees.
+/// Number of headings at which two sketches are correlated: every 11.25 degrees.
 pub const SKETCH_POINTS: usize = 32;
 const _: () = assert!(SKETCH_BYTES == 4 * SKETCH_HARMONICS);
 
-/// The channels that are sketched.
+/// The channels of a sketch.
 const SKETCHED: [Channel; 2] = [Channel::Range, Channel::HitType];
 
-/// Real and imaginary parts of harmonics 1..=6 of range, then of hit type, scaled to 127.
+/// Real and imaginary parts of the harmonics 1..=6 of range, then of hit type.
+///
+/// # Formats
+/// Scaled so that the largest part is 127.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Sketch(pub [i8; SKETCH_BYTES]);
 
@@ -28,7 +31,11 @@ type Coefficients = [[Pair<i64>; SKETCH_HARMONICS]; 2];
 
 impl Sketch {
     /// The sketch of a candidate.
+    ///
+    /// # Cost
+    /// 24 dot products of 360 bins.
     #[must_use]
+    #[expect(clippy::cast_possible_truncation, reason = "parts are scaled to +-127, weights have 8 bits")]
     pub fn new(candidate: &Candidate) -> Self {
         let coefficients =
             SKETCHED.map(|c| candidate.profile().values.get(c as usize).map_or([[0; 2]; 6], harmonics));
@@ -40,14 +47,14 @@ impl Sketch {
         Self(bytes)
     }
 
-    /// The sketch that a site map stores of a layer.
+    /// The sketch stored in a layer of a site map.
     #[must_use]
     pub fn stored(layer: &LayerView<'_>) -> Self {
         Self(layer.sketch_bytes().map(u8::cast_signed))
     }
 }
 
-/// A query's sketch, prepared for all headings.
+/// The sketch of a query, prepared for ranking candidates.
 #[derive(Debug, Clone)]
 pub struct SketchQuery {
     /// Weighted coefficients, at most 127 in magnitude.
@@ -56,11 +63,12 @@ pub struct SketchQuery {
 }
 
 /// cos and sin of 2 pi s / 32 in Q6, by s.
+#[expect(clippy::indexing_slicing, reason = "evaluated at compile time")]
 static TURNS: [Pair<i32>; SKETCH_POINTS] = {
     let mut turns = [[0; 2]; SKETCH_POINTS];
     let mut s = 0;
     while s < SKETCH_POINTS {
-        // Every 11.25 degrees, to the nearest degree: the ranking needs no more.
+        // Every 11.25 degrees, rounded to the nearest degree: sufficient for ranking.
         let degrees = (s * 45 + 2) / 4;
         turns[s] = [degree_cosine(degrees) >> 24, degree_sine(degrees) >> 24];
         s += 1;
@@ -69,8 +77,9 @@ static TURNS: [Pair<i32>; SKETCH_POINTS] = {
 };
 
 impl SketchQuery {
-    /// Sketches a query; a masked query is sketched by its trusted bins.
+    /// The sketch of a query. Bins of a masked query are weighted by their confidence.
     #[must_use]
+    #[expect(clippy::cast_possible_truncation, reason = "parts are scaled to +-127, weights have 8 bits")]
     pub fn new(query: &Query) -> Self {
         let weights = SKETCHED.map(|c| i64::from(query.weights().0.get(c as usize).copied().unwrap_or(0)));
         let mut coefficients: Coefficients = [[[0; 2]; SKETCH_HARMONICS]; 2];
@@ -87,8 +96,12 @@ impl SketchQuery {
         Self { coefficients: scaled, weights: weights.map(|w| w as i32) }
     }
 
-    /// The best low-pass correlation over 32 headings, relative to the candidate's norm: comparable
-    /// between candidates, not a cosine.
+    /// Maximum over 32 headings of the low-pass correlation, relative to the norm of the candidate.
+    ///
+    /// Values are comparable between candidates of one query; they are no cosines.
+    ///
+    /// # Cost
+    /// 32 headings of 6 complex products.
     #[must_use]
     pub fn rank(&self, sketch: &Sketch) -> i32 {
         let mut products = [[0; 2]; SKETCH_HARMONICS];

@@ -36,7 +36,7 @@ use crate::map::site_map::SiteMap;
 use crate::pose::evidence::EvidenceTable;
 use crate::pose::heights::HeightPrior;
 use crate::pose::locate::explain;
-use crate::pose::{Answer, Fix, FloorLayer};
+use crate::pose::{Alternatives, Fix, FloorLayer};
 use crate::vision::attitude::UpHint;
 use crate::vision::boundary::BoundaryEvidence;
 use crate::vision::camera::{CAMERAS, PerCamera, Rig, View};
@@ -280,8 +280,10 @@ impl<'a, M: AsRef<[u32]> + AsMut<[u32]>, T: Trace, const LAYERS: usize> Locator<
     }
 
     /// The poses that explain some evidence best, which `fill` writes into an empty table: for evidence from elsewhere.
-    pub fn explain(&mut self, fill: impl FnOnce(&mut EvidenceTable)) -> Answer {
-        let Some(search) = self.memory_map().search(self.memory.as_mut()) else { return Answer::nothing() };
+    pub fn explain(&mut self, fill: impl FnOnce(&mut EvidenceTable)) -> Alternatives {
+        let Some(search) = self.memory_map().search(self.memory.as_mut()) else {
+            return Alternatives::nothing();
+        };
         *search.table = EvidenceTable::EMPTY;
         fill(search.table);
         explain(

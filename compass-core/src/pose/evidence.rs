@@ -1,4 +1,4 @@
-//! What was seen, as log-likelihood ratios of what the plan could have there.
+//! Evidence of the images: log-likelihood ratios by direction, range and hit type.
 
 use crate::base::ladder::{FRACTION_BITS, RANGE_RUNGS, position_of};
 use crate::base::num::{BINS, CastNats, CellNats, LogOdds, Nats, ToFloat as _};
@@ -7,17 +7,27 @@ use crate::vision::boundary::RangeLikelihoods;
 use crate::vision::windows::WindowEvidence;
 use bytemuck::{Pod, Zeroable};
 
-/// Planes of a table: walls by rung, then windows by rung, then open.
+/// Planes of a table: 72 of walls by range rung, 72 of windows by range rung, one of open directions.
 pub const PLANES: usize = 2 * RANGE_RUNGS + 1;
-/// The plane of "nothing within the largest range".
+/// The plane of open directions: no wall and no window within the largest range.
+#[expect(clippy::cast_possible_truncation, reason = "the value is 144")]
 pub const OPEN_PLANE: u8 = 2 * RANGE_RUNGS as u8;
-/// Largest magnitude of a value. The bits of 360 of them fit 16 bits.
+/// Largest magnitude of a cell. The bits of a sum of 360 cells then fit 16 bits.
 pub const LIMIT: CellNats = CellNats::lit("5.5");
 
-/// Log-likelihood ratios against "nothing known": 52,200 bytes.
+/// Log-likelihood ratios of what the plan can have in each direction: 145 planes x 360 bins, 52,200 bytes.
 ///
-/// Bin j looks along heading + j degrees, counter-clockwise. A column of zeros is a direction of which
-/// nothing is known: it neither helps nor hurts.
+/// Bin j is the direction heading + j degrees, counter-clockwise. A direction without evidence is a column of zeros: it
+/// does not change any score.
+///
+/// # Formats
+/// Cells are [`CellNats`], 1/16 nat, within +-[`LIMIT`]. Planes 0 to 71 are walls at the rungs of
+/// [`RUNG_MM`](crate::base::ladder::RUNG_MM), planes 72 to 143 windows at the same rungs, plane [`OPEN_PLANE`] is an open
+/// direction.
+///
+/// # Accuracy
+/// [`EvidenceTable::at`] places a range within 0.0021 rung of its exact logarithm
+/// (test `values_between_rungs_are_interpolated_linearly`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
 #[repr(transparent)]
 pub struct EvidenceTable {
@@ -25,7 +35,7 @@ pub struct EvidenceTable {
 }
 
 impl EvidenceTable {
-    /// Nothing known anywhere.
+    /// A table of zeros: no evidence.
     pub const EMPTY: Self = Self { values: [[CellNats::ZERO; BINS]; PLANES] };
 
     /// All directions of one plane; `None` from [`PLANES`] on.
@@ -40,29 +50,29 @@ impl EvidenceTable {
         self.plane(plane).and_then(|row| row.get(bin)).copied().unwrap_or(CellNats::ZERO)
     }
 
-    /// Writes one value, clipped to +-[`LIMIT`]; outside the table nothing happens.
+    /// Writes one value, clamped to +-[`LIMIT`]. Indices outside the table are ignored.
     pub fn set(&mut self, plane: u8, bin: usize, value: Nats) {
         if let Some(slot) = self.values.get_mut(usize::from(plane)).and_then(|row| row.get_mut(bin)) {
-            *slot = clipped(value);
+            *slot = clamped(value);
         }
     }
 
-    /// Writes one plane, clipped to +-[`LIMIT`]; outside the table nothing happens.
+    /// Writes one plane, clamped to +-[`LIMIT`]. Indices outside the table are ignored.
     pub fn set_plane(&mut self, plane: u8, values: &[Nats; BINS]) {
         let Some(row) = self.values.get_mut(usize::from(plane)) else { return };
         for (slot, value) in row.iter_mut().zip(values) {
-            *slot = clipped(*value);
+            *slot = clamped(*value);
         }
     }
 
-    /// The value in a direction at a range between two rungs, linear in the logarithm of the range. Ranges below rung 0
-    /// count as rung 0.
+    /// The value in a direction at a range in march steps of 0.02 m, interpolated between two rungs linearly in the
+    /// logarithm of the range. Ranges below rung 0 (0.4 m) give the value of rung 0.
     #[must_use]
     pub fn at(&self, steps: u16, hit: Hit, bin: usize) -> CastNats {
         CastNats::from_bits(self.between(steps, hit).at(bin))
     }
 
-    /// The two rows around a range.
+    /// The two planes around a range.
     pub(super) fn between(&self, steps: u16, hit: Hit) -> Between<'_> {
         let position = position_of(steps);
         let rung = usize::from(position >> FRACTION_BITS);
@@ -85,28 +95,30 @@ impl Default for EvidenceTable {
     }
 }
 
-/// A value clipped to +-[`LIMIT`].
-fn clipped(value: Nats) -> CellNats {
+/// A value clamped to +-[`LIMIT`].
+#[expect(clippy::cast_possible_truncation, reason = "clamped to +-LIMIT")]
+fn clamped(value: Nats) -> CellNats {
     CellNats::from_bits(value.clamp(-Nats::from(LIMIT), Nats::from(LIMIT)).to_bits() as i8)
 }
 
-/// Two neighbouring rows of a table and where between them a range lies. Values and sums are the bits of [`CastNats`].
+/// Two neighbouring planes of a table and the interpolation weight of a range between them. Values and sums are the bits
+/// of [`CastNats`].
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Between<'a> {
     rows: [&'a [CellNats; BINS]; 2],
-    /// In 1/256 of the way to the second.
+    /// Weight of the second plane, 1/256.
     fraction: i32,
 }
 
 impl Between<'_> {
-    /// The value in a direction; 0 in none.
+    /// The value in a direction; 0 from bin 360 on.
     #[inline]
     pub(super) fn at(&self, bin: usize) -> i32 {
         let [near, far] = self.rows.map(|row| row.get(bin).copied().unwrap_or(CellNats::ZERO));
         self.mix(near, far)
     }
 
-    /// Adds the values in the directions around a bin, the farthest to the left first.
+    /// Adds to each sum the value of one of the directions centred on a bin, in clockwise order.
     #[inline]
     pub(super) fn add_around<const DIRECTIONS: usize>(&self, bin: usize, sums: &mut [i32; DIRECTIONS]) {
         let right = bin.wrapping_sub(DIRECTIONS / 2);
@@ -132,8 +144,13 @@ impl Between<'_> {
     }
 }
 
-/// The plane of what a ray met: the nearest rung in the logarithm of the range, rung 0 below the range of that.
+/// The plane of a ray: hit type, and the rung nearest in the logarithm of the range. Ranges below rung 0 (0.4 m) have
+/// rung 0.
+///
+/// # Accuracy
+/// The rung is within 0.504 of the exact position among the rungs (test `a_range_maps_to_the_nearest_rung`).
 #[must_use]
+#[expect(clippy::cast_possible_truncation, reason = "planes are at most OPEN_PLANE")]
 pub const fn plane_of(steps: u16, hit: Hit) -> u8 {
     let rung = ((position_of(steps) + (1 << (FRACTION_BITS - 1))) >> FRACTION_BITS) as u8;
     match hit {
@@ -143,20 +160,28 @@ pub const fn plane_of(steps: u16, hit: Hit) -> u8 {
     }
 }
 
-/// Share of directions in which what looks like window or wall says nothing of the plan.
+/// Outlier share: directions whose classification as window or wall is independent of the plan.
 const OUTLIERS: f32 = 0.1;
-/// Share of directions in which plans have windows.
+/// Prior probability of a window in a direction of a plan.
 const WINDOWS: f32 = 0.3;
-/// Weight of the hit type beside the range: its bins lie in windows of many bins, so that they err together.
+/// Weight of the hit type relative to the range. Below 1 because the bins of one window have correlated errors.
 const WEIGHT: f32 = 0.7;
 
-/// Fills a table with the likelihoods of ranges and hit types, for a camera height in
+/// Fills a table with the sum of the log-likelihood ratios of range and hit type, for a camera height in
 /// [rungs](crate::base::ladder::height_rungs).
-pub fn weigh(ranges: &RangeLikelihoods, height: i8, sighting: &WindowEvidence, table: &mut EvidenceTable) {
+///
+/// The ratio of a window in the plan is `WEIGHT ln((1 - OUTLIERS) p / WINDOWS + OUTLIERS)`, with the probability p of a
+/// window from the log odds of [`WindowEvidence`]; that of a wall has 1 - p and 1 - WINDOWS. Bins of confidence 0 take
+/// part with their range alone, as does [`OPEN_PLANE`].
+///
+/// # Formats
+/// Sums are rounded to 1/16 nat and clamped to +-[`LIMIT`].
+#[expect(clippy::cast_possible_truncation, reason = "planes are at most OPEN_PLANE")]
+pub fn weigh(ranges: &RangeLikelihoods, height: i8, windows: &WindowEvidence, table: &mut EvidenceTable) {
     let mut window = [Nats::ZERO; BINS];
     let mut wall = [Nats::ZERO; BINS];
-    let known = sighting.confidence.sixteenths();
-    for (((window, wall), odds), known) in window.iter_mut().zip(&mut wall).zip(&sighting.evidence).zip(known)
+    let known = windows.confidence.sixteenths();
+    for (((window, wall), odds), known) in window.iter_mut().zip(&mut wall).zip(&windows.evidence).zip(known)
     {
         if *known > 0 {
             [*window, *wall] = hit_ratios(*odds);
@@ -180,6 +205,7 @@ pub fn weigh(ranges: &RangeLikelihoods, height: i8, sighting: &WindowEvidence, t
 }
 
 /// Log-likelihood ratios of a window and of a wall in the plan, from the log odds of a window.
+#[expect(clippy::cast_possible_truncation, reason = "a logarithm of 0.1 to 3.1 in 1/16 nat")]
 fn hit_ratios(odds: LogOdds) -> [Nats; 2] {
     let window = 1.0 / (1.0 + libm::expf(-odds.to_float()));
     /// Bits of one nat.
@@ -196,13 +222,13 @@ mod tests {
     use super::*;
     use crate::base::scan::MAX_STEPS;
 
-    /// Where a range in metres lies among the rungs.
+    /// Position of a range in metres among the rungs.
     fn exact(metres: f64) -> f64 {
         71.0 * (metres / 0.4).ln() / 75f64.ln()
     }
 
     #[test]
-    fn a_range_goes_to_the_nearest_rung() {
+    fn a_range_maps_to_the_nearest_rung() {
         let mut before = 0;
         for steps in 0..=MAX_STEPS {
             let plane = plane_of(steps, Hit::Wall);
@@ -220,7 +246,7 @@ mod tests {
     }
 
     #[test]
-    fn between_rungs_values_are_linear() {
+    fn values_between_rungs_are_interpolated_linearly() {
         let mut table = EvidenceTable::EMPTY;
         for rung in 0..RANGE_RUNGS as u8 {
             table.set(rung, 7, Nats::from_bits(rung.into()));
@@ -239,7 +265,7 @@ mod tests {
     }
 
     #[test]
-    fn values_are_clipped_and_outside_is_harmless() {
+    fn values_are_clamped_and_bad_indices_ignored() {
         let mut table = EvidenceTable::EMPTY;
         table.set(3, 4, Nats::from_bits(1000));
         table.set(3, 5, Nats::from_bits(-1000));

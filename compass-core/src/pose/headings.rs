@@ -1,16 +1,17 @@
-//! How many headings the search tries.
+//! The number of headings of the search, chosen at run time.
 
 use super::evidence::EvidenceTable;
 use super::rows::Rows;
 use super::search::{FloorLayer, PoolEntry, search};
 use core::fmt;
 
-/// Searches all candidates of all layers for a table of evidence; returns how many poses the pool begins with.
+/// Searches all candidates of all layers; returns the number of poses at the front of the pool.
 type Search = fn(&EvidenceTable, &mut [u32], &[FloorLayer<'_>], &mut [PoolEntry]) -> usize;
 
-/// How many headings the search tries at each candidate.
+/// Number of headings at which the search scores each candidate.
 ///
-/// A program holds the code of those numbers alone that it names.
+/// [`search`] is generic over that number; this type selects an instance at run time. A program contains the instances
+/// of the constants that it names, and no others.
 #[derive(Clone, Copy)]
 pub struct Headings {
     count: u16,
@@ -28,24 +29,27 @@ impl Headings {
     /// Every degree.
     pub const N360: Self = Self::of::<360>();
 
+    #[expect(clippy::cast_possible_truncation, reason = "at most 360")]
     const fn of<const N: usize>() -> Self {
         Self { count: N as u16, words: size_of::<Rows<N>>().div_ceil(size_of::<u32>()), search: run::<N> }
     }
 
-    /// How many.
+    /// Number of headings.
     #[must_use]
     pub const fn count(&self) -> u16 {
         self.count
     }
 
-    /// Words of memory that the search takes.
+    /// Words of 32 bits that [`Headings::search`] needs.
     #[must_use]
     pub const fn words(&self) -> usize {
         self.words
     }
 
-    /// Searches all candidates of all layers at these headings: see [`search`]. Returns how many poses `pool` begins
-    /// with, best first; none if `words` is too short.
+    /// Searches all candidates of all layers at these headings: see [`search`].
+    ///
+    /// Returns the number of poses at the front of `pool`, by descending score; 0 if `words` is shorter than
+    /// [`Headings::words`].
     #[must_use]
     pub fn search(
         &self,

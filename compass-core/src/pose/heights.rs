@@ -1,35 +1,35 @@
-//! Heights of the camera and of the ceiling: what is known of them, what was found, and what a sequence has shown.
+//! Heights of camera and ceiling: prior, estimate, and memory over a sequence of frames.
 //!
-//! Heights are counted as ranges are, in rungs of 6.3 %: what is found is within half a rung, 3 %, of the best.
+//! Heights are quantized like ranges, in rungs of 6.3 %: an estimate is within half a rung, 3 %, of the optimum.
 
 use crate::base::ladder::{RUNG, height_m, height_rungs};
 use crate::base::order;
 use heapless::Vec;
 
-/// As many sure frames tell the heights.
-const TELLING: usize = 9;
-/// Heights this many rungs apart are the same: 13 %.
-const ALIKE: u8 = 2;
+/// Number of frames whose heights are remembered; the medians over them are the prior.
+const REMEMBERED: usize = 9;
+/// Largest difference, in rungs of 6.3 %, of heights that agree: 13 %.
+const TOLERANCE_RUNGS: u8 = 2;
 
 /// The height of the camera above the floor, and that of the ceiling.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Heights {
-    /// The camera's.
+    /// Camera above the floor, in rungs from 1.5 m.
     pub(super) camera: i8,
-    /// By how many rungs the ceiling is higher above the camera than the floor is below it.
+    /// Logarithm of (ceiling above the camera) / (camera above the floor), in rungs.
     pub(super) ceiling: i8,
 }
 
 impl Heights {
-    /// From what [`to_rungs`](Self::to_rungs) gave.
+    /// Inverse of [`to_rungs`](Self::to_rungs).
     #[must_use]
     pub const fn from_rungs([camera, ceiling]: [i8; 2]) -> Self {
         Self { camera, ceiling }
     }
 
-    /// Both as steps of 6.3 %, for keeping them exactly: the camera's from 1.5 m, and by how many the ceiling is higher
-    /// above the camera than the floor is below it.
+    /// Both heights in rungs of 6.3 %, for lossless storage: the camera's above the floor, from 1.5 m; and the logarithm
+    /// of the ratio (ceiling above the camera) / (camera above the floor).
     #[must_use]
     pub const fn to_rungs(self) -> [i8; 2] {
         [self.camera, self.ceiling]
@@ -48,7 +48,7 @@ impl Heights {
     }
 }
 
-/// What is known of the heights before anything is seen.
+/// Prior knowledge of the heights of camera and ceiling.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct HeightPrior {
@@ -57,78 +57,78 @@ pub struct HeightPrior {
 }
 
 impl HeightPrior {
-    /// Nothing is known: both are searched.
+    /// Neither height is known: both are searched.
     pub const UNKNOWN: Self = Self { camera_m: None, ceiling: None };
 
-    /// The camera's height above the floor is known, metres, bounded by
-    /// [`HEIGHTS_M`](crate::base::ladder::HEIGHTS_M).
+    /// The height of the camera above the floor is known, metres. Values outside
+    /// [`HEIGHTS_M`](crate::base::ladder::HEIGHTS_M) are clamped to it.
     #[must_use]
     pub const fn camera(metres: f32) -> Self {
         Self { camera_m: Some(metres), ..Self::UNKNOWN }
     }
 
-    /// Both are known, as from an earlier [`Fix`](super::Fix).
+    /// Both heights are known, for instance from an earlier [`Fix`](super::Fix).
     #[must_use]
     pub fn both(heights: Heights) -> Self {
         Self { camera_m: Some(heights.camera_m()), ceiling: Some(heights.ceiling) }
     }
 
-    /// The camera's height above the floor, metres, if it is known.
+    /// Height of the camera above the floor, metres, if it is known.
     #[must_use]
     pub const fn camera_m(&self) -> Option<f32> {
         self.camera_m
     }
 
-    /// By how many rungs the ceiling is known to be higher above the camera than the floor is below it.
+    /// Logarithm of (ceiling above the camera) / (camera above the floor), in rungs, if it is known.
     pub(crate) const fn ceiling_rungs(&self) -> Option<i8> {
         self.ceiling
     }
 
-    /// The camera's height in rungs.
+    /// Height of the camera in rungs, if it is known.
     pub(crate) fn camera_rungs(&self) -> Option<i8> {
         self.camera_m.map(height_rungs)
     }
 }
 
-/// The heights of camera and ceiling in the last sure frames of a sequence.
+/// Heights of camera and ceiling in the last 9 [sure](super::Fix::is_sure) frames of a sequence.
 ///
-/// Whoever carries the cameras keeps their height, and a storey its ceiling. Single frames that are wrong have wrong
-/// heights as well, so that those of the sure ones tell when to search again.
+/// Both heights hardly change within a sequence, and a frame that is localized wrongly usually has wrong heights too.
+/// The medians over the sure frames are therefore a prior for the next frame, and a test of its result.
 #[derive(Debug, Clone, Default)]
 pub struct HeightMemory {
-    /// The oldest first.
-    last: Vec<Heights, TELLING>,
+    /// Oldest first.
+    last: Vec<Heights, REMEMBERED>,
 }
 
 impl HeightMemory {
-    /// Nothing is known.
+    /// An empty memory.
     #[must_use]
     pub const fn new() -> Self {
         Self { last: Vec::new() }
     }
 
-    /// Takes in the heights of a sure frame.
+    /// Adds the heights of a sure frame; the oldest of 9 is dropped.
     pub fn learn(&mut self, heights: Heights) {
         if self.last.is_full() {
             self.last.rotate_left(1);
-            self.last.truncate(TELLING - 1);
+            self.last.truncate(REMEMBERED - 1);
         }
-        // There is room for one.
+        // Never full here: an element was dropped above.
         let _ = self.last.push(heights);
     }
 
-    /// The median of each; unknown before the first sure frame.
+    /// The medians of both heights; [`HeightPrior::UNKNOWN`] before the first sure frame.
     #[must_use]
     pub fn prior(&self) -> HeightPrior {
         self.medians().map_or(HeightPrior::UNKNOWN, HeightPrior::both)
     }
 
-    /// Whether heights are those of the sequence, to 13 %, or nothing is known.
+    /// Whether both heights agree with the medians within 13 %; true before the first sure frame.
     #[must_use]
     pub fn is_like(&self, heights: Heights) -> bool {
         self.medians().is_none_or(|median| {
-            median.camera.abs_diff(heights.camera) <= ALIKE
-                && median.ceiling.abs_diff(heights.ceiling) <= ALIKE
+            median.camera.abs_diff(heights.camera) <= TOLERANCE_RUNGS
+                && median.ceiling.abs_diff(heights.ceiling) <= TOLERANCE_RUNGS
         })
     }
 
@@ -137,9 +137,9 @@ impl HeightMemory {
     }
 
     fn median(&self, which: impl Fn(&Heights) -> i8) -> Option<i8> {
-        let mut values: Vec<i8, TELLING> = Vec::new();
+        let mut values: Vec<i8, REMEMBERED> = Vec::new();
         for value in self.last.iter().map(which) {
-            // As many places as heights.
+            // Same capacity as `last`: never full.
             let _ = values.push(value);
         }
         order::sort_by_key(&mut values, |value| *value);

@@ -1,10 +1,10 @@
-//! From what is seen to a pose: search over heights of ceiling and camera, candidates and headings, refinement, answer.
+//! Localization of one frame: search over heights, candidates and headings, refinement, selection of alternatives.
 
 use super::evidence::{EvidenceTable, weigh};
 use super::heights::{HeightPrior, Heights};
 use super::{
-    Answer, Fix, FloorLayer, Headings, PoolEntry, ScoredPose, answer, refine, refine_coarse, refine_final,
-    refine_fine,
+    Alternatives, Fix, FloorLayer, Headings, PoolEntry, ScoredPose, refine, refine_coarse, refine_final,
+    refine_fine, select_alternatives,
 };
 use crate::base::order;
 use crate::base::pose::Separation;
@@ -13,83 +13,96 @@ use crate::vision::windows::WindowEvidence;
 use core::ops::RangeInclusive;
 use heapless::Vec;
 
-/// Most modes that are refined.
-pub const MAX_MODES: usize = 48;
+/// Largest number of poses that are refined.
+pub const MAX_REFINED: usize = 48;
 
-/// Where the camera's height is not known, every second rung of it is tried, 13 %, and all where the answer is not sure.
-const HEIGHT_STEPS: [usize; 2] = [2, 1];
-/// Memory lent for the search; what it holds before does not matter.
+/// Stride in rungs (6.3 %) over camera heights that are not known.
+const COARSE_HEIGHT_STRIDE: usize = 2;
+/// The same for the second search of [`Effort::finer_heights`].
+const FINE_HEIGHT_STRIDE: usize = 1;
+
+/// Memory lent to the search. Its former contents do not matter.
 #[derive(Debug)]
 pub struct Work<'a> {
-    /// For the likelihoods of ranges.
+    /// Likelihoods of ranges.
     pub ranges: &'a mut RangeLikelihoods,
-    /// For the evidence.
+    /// Evidence.
     pub table: &'a mut EvidenceTable,
-    /// Headings that the search tries: 90 do, and nearly as well 40 where the camera's height is known; the rest is
-    /// refinement.
+    /// Headings of the search. 90 suffice, since refinement closes the gaps; 40 are nearly as good for a known camera
+    /// height.
     pub headings: Headings,
-    /// [`Headings::words`] for the search.
+    /// Rows of the search: [`Headings::words`].
     pub rows: &'a mut [u32],
-    /// 64 to [`MAX_POOL`](super::MAX_POOL) places.
+    /// Pool of the search: 64 to [`MAX_POOL`](super::MAX_POOL) entries.
     pub pool: &'a mut [PoolEntry],
-    /// How much work may be done.
+    /// Bounds of the work.
     pub effort: Effort,
 }
 
-/// How much work the search may do.
+/// Bounds of the work of [`locate`].
+///
+/// Success rates of the presets on 129 frame pairs: `docs/design.md`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Effort {
-    /// How many modes to refine, 1 to [`MAX_MODES`].
-    pub modes: usize,
-    /// How many of them to the end: the others are alternatives to a decimetre or two.
-    pub settled: usize,
-    /// How many heights of the ceiling to try until an answer is sure, 1 to [`MAX_CEILINGS`].
+    /// Number of poses that pass [`refine_coarse`], 1 to [`MAX_REFINED`].
+    pub refined_poses: usize,
+    /// Number of those that pass [`refine_fine`] as well, at least 1. The others remain accurate to 0.1 m or 0.2 m.
+    pub refined_fully: usize,
+    /// Number of ceiling heights that are tried until the result is [sure](Fix::is_sure), 1 to [`MAX_CEILINGS`].
     pub ceilings: usize,
-    /// Every how many-th ray is cast while modes [refine_coarse] their tops, at least 4.
+    /// Azimuth stride of the rays in [`refine_coarse`], degrees, at least 4.
     pub rays: usize,
-    /// Whether an answer that is not sure is sought once more, with twice as many heights of a camera whose height is not
-    /// known.
-    pub again: bool,
+    /// Whether a result that is not sure is followed by a second search, over twice as many camera heights. Without effect
+    /// for a known camera height.
+    pub finer_heights: bool,
 }
 
 impl Effort {
-    /// What pays on a computer.
-    pub const FULL: Self = Self { modes: 36, settled: 8, ceilings: MAX_CEILINGS, rays: 4, again: true };
-    /// A half to two thirds of the work, and nearly as good.
-    pub const SOME: Self = Self { modes: 24, settled: 8, ceilings: 3, rays: 6, again: false };
-    /// A third of it or less, and nearly as good where the camera's height is told.
-    pub const LITTLE: Self = Self { modes: 8, settled: 3, ceilings: 1, rays: 6, again: false };
+    /// Preset of a desktop computer.
+    pub const FULL: Self =
+        Self { refined_poses: 36, refined_fully: 8, ceilings: MAX_CEILINGS, rays: 4, finer_heights: true };
+    /// Half to two thirds of the work of [`Effort::FULL`], with nearly the same success rate.
+    pub const SOME: Self =
+        Self { refined_poses: 24, refined_fully: 8, ceilings: 3, rays: 6, finer_heights: false };
+    /// A third of the work of [`Effort::FULL`] or less, with nearly the same success rate for a known camera height.
+    pub const LITTLE: Self =
+        Self { refined_poses: 8, refined_fully: 3, ceilings: 1, rays: 6, finer_heights: false };
 }
 
-/// A mode and the height of the camera that it was found with.
+/// A pose and the camera height that it was found with, in rungs.
 type Found = (ScoredPose, i8);
 
-/// Finds the pose that explains best what was seen, on all layers. Heights that are not known are searched for.
+/// Finds the maximum-likelihood pose over all layers. Heights that are not known are searched.
 ///
-/// Which ceiling is the true one the plan tells: with a wrong one the room has the wrong size, and fits badly in many
-/// places rather than well in one. Of the likeliest ones that counts whose best pose leads by the most.
+/// A wrong ceiling height scales the observed room, which then fits badly in many places instead of well in one. Of the
+/// likeliest ceiling heights, the one whose best pose has the largest [margin](Fix::margin) is therefore chosen; scores
+/// at different heights are not comparable. The final pose is refined at the two neighbouring camera heights as well.
+///
+/// # Formats
+/// `layers` of the site in any order; [`ScoredPose::layer`] of the result is an index into them. Scores are in 1/16 nat
+/// relative to a table of zeros.
 ///
 /// # Cost
-/// For each ceiling tried one [`search`] per height, and refinement of as many modes as [`Effort::modes`] says. Where the
-/// height is not known, a room of usual height allows about 7, the best pose is tried with the two next to its own
-/// as well, and an answer that is not sure takes 14 more searches if [`Effort::again`].
+/// Per ceiling height one [`search`](super::search()) per camera height, and refinement of [`Effort::refined_poses`] poses.
+/// An unknown camera height takes about 7 searches, and 14 more if the result is not sure and
+/// [`Effort::finer_heights`] is set. Cortex-M7, with [`Effort::LITTLE`] and 40 headings: `locate` in `targets/budget.txt`.
 pub fn locate<'a>(
-    survey: &BoundaryEvidence<'_>,
+    boundaries: &BoundaryEvidence<'_>,
     known: HeightPrior,
-    sighting: &WindowEvidence,
+    windows: &WindowEvidence,
     layers: &[FloorLayer<'a>],
     work: &mut Work<'_>,
 ) -> Fix<'a> {
     let camera = known.camera_rungs();
     let ceilings =
-        known.ceiling_rungs().map_or_else(|| survey.ceilings(camera), |ceiling| Vec::from([ceiling]));
-    let [coarse, fine] = HEIGHT_STEPS;
-    let fix = |(answer, camera), ceiling| Fix::new(answer, Heights { camera, ceiling }, known, layers);
-    let mut best = fix((Answer::nothing(), camera.unwrap_or(0)), 0);
+        known.ceiling_rungs().map_or_else(|| boundaries.ceilings(camera), |ceiling| Vec::from([ceiling]));
+    let fix =
+        |(alternatives, camera), ceiling| Fix::new(alternatives, Heights { camera, ceiling }, known, layers);
+    let mut best = fix((Alternatives::nothing(), camera.unwrap_or(0)), 0);
     for (tried, &ceiling) in ceilings.iter().take(work.effort.ceilings.max(1)).enumerate() {
-        survey.ranges(ceiling, work.ranges);
-        let found = search_ceiling(camera, coarse, sighting, layers, work);
+        boundaries.ranges(ceiling, work.ranges);
+        let found = search_ceiling(camera, COARSE_HEIGHT_STRIDE, windows, layers, work);
         if tried == 0 || found.0.margin() > best.margin() {
             best = fix(found, ceiling);
         }
@@ -97,11 +110,11 @@ pub fn locate<'a>(
             return best;
         }
     }
-    if camera.is_none() && work.effort.again {
+    if camera.is_none() && work.effort.finer_heights {
         let ceiling = best.heights().ceiling;
-        survey.ranges(ceiling, work.ranges);
-        let found = search_ceiling(None, fine, sighting, layers, work);
-        // With the same ceiling scores compare.
+        boundaries.ranges(ceiling, work.ranges);
+        let found = search_ceiling(None, FINE_HEIGHT_STRIDE, windows, layers, work);
+        // Scores are comparable: the ceiling height is the same.
         if found.0.score() > best.score() {
             best = fix(found, ceiling);
         }
@@ -109,82 +122,82 @@ pub fn locate<'a>(
     best
 }
 
-/// The poses that explain some evidence best, by a search at these headings in this memory, refined.
+/// Finds the maximum-likelihood poses for a given table of evidence: search and refinement.
 pub(crate) fn explain(
     table: &EvidenceTable,
     layers: &[FloorLayer<'_>],
     (headings, rows, pool): (Headings, &mut [u32], &mut [PoolEntry]),
     effort: Effort,
-) -> Answer {
+) -> Alternatives {
     let count = headings.search(table, rows, layers, pool);
-    let mut poses: Vec<ScoredPose, MAX_MODES> = Vec::new();
-    for pose in pool.iter().take(count.min(effort.modes)).filter_map(|entry| entry.pose(layers)) {
+    let mut poses: Vec<ScoredPose, MAX_REFINED> = Vec::new();
+    for pose in pool.iter().take(count.min(effort.refined_poses)).filter_map(|entry| entry.pose(layers)) {
         if let Some(layer) = layers.get(usize::from(pose.layer)) {
-            // Of more than there is room for the first count.
+            // Full after [`MAX_REFINED`] poses: the pool is sorted, so that the best are kept.
             let _ = poses.push(refine(table, layer, pose));
         }
     }
-    answer(layers, &mut poses)
+    select_alternatives(layers, &mut poses)
 }
 
-/// The poses that explain best what was seen, with one ceiling, and the height of the camera, of which every `step`-th is
-/// tried.
+/// Finds the maximum-likelihood poses for one ceiling height, and their camera height: the given one, or the best of every
+/// `step`-th rung.
 fn search_ceiling(
     height: Option<i8>,
     step: usize,
-    sighting: &WindowEvidence,
+    windows: &WindowEvidence,
     layers: &[FloorLayer<'_>],
     work: &mut Work<'_>,
-) -> (Answer, i8) {
+) -> (Alternatives, i8) {
     let Work { ranges, table, headings, rows, pool, effort } = work;
     let heights = height.map_or_else(|| ranges.heights(), |known| known..=known);
-    let mut evidence = Evidence { ranges, sighting, table, height: None };
-    let wanted = effort.modes.clamp(1, MAX_MODES);
-    let mut found: Vec<Found, MAX_MODES> = Vec::new();
+    let mut evidence = Evidence { ranges, windows, table, height: None };
+    let wanted = effort.refined_poses.clamp(1, MAX_REFINED);
+    let mut found: Vec<Found, MAX_REFINED> = Vec::new();
     for height in heights.clone().step_by(step.max(1)) {
         let count = headings.search(evidence.at(height), rows, layers, pool);
         let poses = pool.iter().take(count.min(wanted)).filter_map(|entry| entry.pose(layers));
-        poses.for_each(|mode| insert_if_better(&mut found, wanted, (mode, height)));
+        poses.for_each(|pose| insert_if_better(&mut found, wanted, (pose, height)));
     }
-    evidence.refine(&heights, layers, &mut found, |table, layer, mode| {
-        refine_coarse(table, layer, mode, effort.rays)
+    evidence.refine(&heights, layers, &mut found, |table, layer, pose| {
+        refine_coarse(table, layer, pose, effort.rays)
     });
-    order::sort_by_key(&mut found, |(mode, height)| (mode.order(), *height));
-    let settled = found.len().min(effort.settled.max(1));
-    evidence.refine(&heights, layers, found.get_mut(..settled).unwrap_or_default(), refine_fine);
-    // Never full: it has one place more.
-    let mut modes: Vec<ScoredPose, { MAX_MODES + 1 }> = Vec::new();
-    for (mode, _) in &found {
-        let _ = modes.push(*mode);
+    order::sort_by_key(&mut found, |(pose, height)| (pose.order(), *height));
+    let fully = found.len().min(effort.refined_fully.max(1));
+    evidence.refine(&heights, layers, found.get_mut(..fully).unwrap_or_default(), refine_fine);
+    // Never full: the capacity is that of `found` and one more.
+    let mut refined: Vec<ScoredPose, { MAX_REFINED + 1 }> = Vec::new();
+    for (pose, _) in &found {
+        let _ = refined.push(*pose);
     }
-    let Some(best) = found.into_iter().max_by_key(|(mode, _)| mode.score) else {
-        return (Answer::nothing(), height.unwrap_or(0));
+    let Some(best) = found.into_iter().max_by_key(|(pose, _)| pose.score) else {
+        return (Alternatives::nothing(), height.unwrap_or(0));
     };
     let best = evidence.refine_final(&heights, layers, best);
-    let _ = modes.push(best.0);
-    (answer(layers, &mut modes), best.1)
+    let _ = refined.push(best.0);
+    (select_alternatives(layers, &mut refined), best.1)
 }
 
-/// What was seen, as evidence for one height of the camera at a time.
+/// Ranges and hit types of a frame, combined into a table for one camera height at a time.
 struct Evidence<'a> {
     ranges: &'a RangeLikelihoods,
-    sighting: &'a WindowEvidence,
+    windows: &'a WindowEvidence,
     table: &'a mut EvidenceTable,
-    /// The height that the table is for.
+    /// Camera height of the table, rungs.
     height: Option<i8>,
 }
 
 impl Evidence<'_> {
-    /// The evidence for a height.
+    /// The evidence for a camera height in rungs.
     fn at(&mut self, height: i8) -> &EvidenceTable {
         if self.height != Some(height) {
-            weigh(self.ranges, height, self.sighting, self.table);
+            weigh(self.ranges, height, self.windows, self.table);
             self.height = Some(height);
         }
         self.table
     }
 
-    /// Refines modes, height by height.
+    /// Refines poses, grouped by camera height so that each table is filled once.
     fn refine(
         &mut self,
         heights: &RangeInclusive<i8>,
@@ -193,15 +206,15 @@ impl Evidence<'_> {
         refine: impl Fn(&EvidenceTable, &FloorLayer<'_>, ScoredPose) -> ScoredPose,
     ) {
         for at in heights.clone() {
-            for (mode, _) in found.iter_mut().filter(|(_, height)| *height == at) {
-                if let Some(layer) = layers.get(usize::from(mode.layer)) {
-                    *mode = refine(self.at(at), layer, *mode);
+            for (pose, _) in found.iter_mut().filter(|(_, height)| *height == at) {
+                if let Some(layer) = layers.get(usize::from(pose.layer)) {
+                    *pose = refine(self.at(at), layer, *pose);
                 }
             }
         }
     }
 
-    /// The best mode polished, and tried with the heights next to its own, where they may be.
+    /// Refines the best pose at the neighbouring camera heights too, then by [`refine_final`] at the best of them.
     fn refine_final(
         &mut self,
         heights: &RangeInclusive<i8>,
@@ -218,8 +231,8 @@ impl Evidence<'_> {
     }
 }
 
-/// Adds a mode unless as many better ones are there, or a better one at the same pose.
-fn insert_if_better(found: &mut Vec<Found, MAX_MODES>, wanted: usize, new: Found) {
+/// Inserts a pose into a sorted list of at most `wanted`, unless a better pose within [`Separation::FOUND`] is in it.
+fn insert_if_better(found: &mut Vec<Found, MAX_REFINED>, wanted: usize, new: Found) {
     let same = |other: &ScoredPose| Separation::FOUND.joins_on_layer(&new.0, other);
     if let Some(at) = found.iter().position(|(other, _)| same(other)) {
         if found.get(at).is_some_and(|(other, _)| other.score >= new.0.score) {

@@ -1,16 +1,18 @@
-//! Which pose of the plan explains best what was seen: likelihood under a table of evidence.
+//! Maximum-likelihood localization: the poses of a site that explain an [`EvidenceTable`] best.
 //!
-//! Whatever looks at the surroundings writes into a [`EvidenceTable`] how much, in each direction, it speaks for
-//! a wall or a window at each range, or for nothing there. The likelihood of a pose is the sum over
-//! its rays. Then
+//! The table holds log-likelihood ratios by direction, range and hit type. The score of a pose is the sum of the cells
+//! that the rays cast from it meet.
 //!
-//! 1. [`Rows`] and [`search`] score every candidate of every [`FloorLayer`] at every heading,
-//! 2. [`refine`] climbs from the best of them to where between candidates the likelihood is highest,
-//! 3. [`Answer`] keeps the best poses that lie apart.
+//! 1. [`Rows`] and [`search`] score every candidate of every [`FloorLayer`] at every heading.
+//! 2. [`refine`] maximizes the score between the candidates, by a pattern search.
+//! 3. [`select_alternatives`] keeps the best poses that are separated.
 //!
-//! All of it is integer arithmetic; directions of which nothing is known change nothing.
+//! [`locate`] runs these steps over unknown heights of camera and ceiling and gives a [`Fix`]; [`track`] filters a
+//! sequence of frames; [`wall_check`] compares the evidence at a known pose with the plan.
+//!
+//! Scores are integers. A direction whose cells are 0 does not change any score.
 
-mod answer;
+mod alternatives;
 pub mod evidence;
 mod fix;
 mod headings;
@@ -24,7 +26,7 @@ pub mod track;
 pub mod wall_check;
 
 pub use crate::base::pose::ScoredPose;
-pub use answer::{Answer, answer};
+pub use alternatives::{Alternatives, select_alternatives};
 pub use evidence::{EvidenceTable, LIMIT, OPEN_PLANE, PLANES, plane_of};
 pub use fix::{Fix, SURE};
 pub use headings::Headings;

@@ -1,8 +1,8 @@
-//! The view from beside a place, by parallax.
+//! Prediction of a scan from a displaced position, by parallax.
 //!
-//! What the rays cast from a place met stays where it is: from a step aside it is seen in other directions and at other
-//! ranges. What comes into sight there, or is hidden, is left out of account. That takes a fraction of the time of casting
-//! anew, and is good for steps that are short.
+//! The end points of the rays cast from one position are fixed in the plan: from a displaced position they have other
+//! directions and ranges. Occlusion is ignored. The prediction costs a fraction of a new cast and is accurate for
+//! displacements that are short relative to the ranges.
 
 use super::evidence::EvidenceTable;
 use crate::base::num::{BINS, Metres, Point, Turn, degree_sine};
@@ -10,16 +10,17 @@ use crate::base::scan::{Hit, STEPS_PER_METRE};
 use crate::map::plan::{MarchError, Plan};
 use heapless::Vec;
 
-/// Most rays: as many as the widest patterns take.
-const MOST: usize = BINS / 4;
-/// Lengths count in sixteenths of a march step.
-const PARTS: u32 = 16;
-/// Longest step aside, in those parts: a metre.
-const LONGEST: i64 = (PARTS * STEPS_PER_METRE as u32) as i64;
+/// Capacity in rays: every fourth of 360.
+const MAX_RAYS: usize = BINS / 4;
+/// Units of length per march step.
+const PARTS: i32 = 16;
+/// Largest displacement along an axis, in units of length: 1 m.
+const LONGEST: i64 = PARTS as i64 * STEPS_PER_METRE as i64;
 /// Fractional bits of sines.
 const SINE_BITS: u32 = 14;
 
-/// Sines of 0 to 449 degrees.
+/// Sines of 0 to 449 degrees, Q14: those from 90 on are the cosines.
+#[expect(clippy::indexing_slicing, reason = "evaluated at compile time")]
 static SINES: [i16; BINS + BINS / 4] = {
     let mut sines = [0; BINS + BINS / 4];
     let mut degrees = 0;
@@ -30,35 +31,43 @@ static SINES: [i16; BINS + BINS / 4] = {
     sines
 };
 
-/// What some of the 360 rays from a pose met.
+/// End points of some of the 360 rays cast from a pose.
 #[derive(Debug)]
 pub(super) struct View {
     heading: Turn,
     stride: usize,
-    /// The bin of the first ray.
+    /// Bin of the first ray.
     first: usize,
-    rays: Vec<(u16, Hit), MOST>,
+    /// Range in march steps and hit type.
+    rays: Vec<(u16, Hit), MAX_RAYS>,
 }
 
 impl View {
-    /// Casts every `stride`-th ray: at the most every fourth counts.
+    /// Casts every `stride`-th ray, at most [`MAX_RAYS`].
     pub(super) fn cast(plan: &Plan<'_>, at: Point, heading: Turn, stride: usize) -> Result<Self, MarchError> {
         let mut rays = Vec::new();
-        for ray in plan.rays(at, heading, stride)?.take(MOST) {
-            // There is room for all that were taken.
+        for ray in plan.rays(at, heading, stride)?.take(MAX_RAYS) {
+            // Never full: as many were taken as fit.
             let _ = rays.push(ray);
         }
         Ok(Self { heading, stride, first: 0, rays })
     }
 
-    /// Looks along another heading, whole degrees from that of the cast.
+    /// Changes the heading, by whole degrees.
     pub(super) fn turn(&mut self, heading: Turn) {
         self.first = (self.first + BINS - (heading - self.heading).to_bin()) % BINS;
         self.heading = heading;
     }
 
-    /// Scores of 360 bins, the bits of [`CastNats`](crate::base::num::CastNats), from a step aside, `[x, y]` in the map, at
-    /// most a metre each, and at some headings around that of the view, whole degrees.
+    /// Predicted scores at a displaced position and at headings around that of the view, in steps of 1 degree.
+    ///
+    /// `aside` is the displacement `[x, y]` in map axes, each clamped to +-1 m. Scores are scaled to 360 bins, the bits of
+    /// [`CastNats`](crate::base::num::CastNats).
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_possible_wrap,
+        reason = "strides are at most 360"
+    )]
     pub(super) fn scores<const HEADINGS: usize>(
         &self,
         table: &EvidenceTable,
@@ -76,7 +85,11 @@ impl View {
         scores.map(|score| score * self.stride as i32)
     }
 
-    /// A step in the map as one forward and one to the left, in parts.
+    /// A displacement in map axes as `[forward, left]`, in units of length.
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "components of a vector of at most 800 along each axis"
+    )]
     fn along_heading(&self, aside: [Metres; 2]) -> [i32; 2] {
         let [x, y] = aside.map(|part| (((part.to_bits() >> 16) * LONGEST) >> 16).clamp(-LONGEST, LONGEST));
         let (cos, sin) = self.heading.cos_sin();
@@ -85,23 +98,28 @@ impl View {
     }
 }
 
-/// In which bin and how far the end of a ray is seen from a step aside.
+/// Bin and range in march steps of a ray's end point, from a displaced position.
 ///
-/// Nearer ends than the step aside are not told right, but do no harm.
+/// The result is wrong, but valid, for end points nearer than the displacement.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    clippy::cast_sign_loss,
+    reason = "bins are below 360; ranges are at most 1500 steps and 1.5 m more"
+)]
 fn seen([forward, left]: [i32; 2], bin: usize, steps: u16) -> (usize, u16) {
     let sine = |degrees: usize| i32::from(SINES.get(degrees).copied().unwrap_or(0));
     let (sin, cos) = (sine(bin), sine(bin + BINS / 4));
-    // The end of the ray, along it and to its left, from there.
+    // Components of the end point across and along the ray, relative to the displaced position.
     let across = (forward * sin - left * cos) >> SINE_BITS;
-    let along = (i32::from(steps) * PARTS as i32 - ((forward * cos + left * sin) >> SINE_BITS))
-        .max(across.abs())
-        .max(1);
+    let along =
+        (i32::from(steps) * PARTS - ((forward * cos + left * sin) >> SINE_BITS)).max(across.abs()).max(1);
     // atan t = t (pi / 4 + 0.273 (1 - |t|)) within 0.25 degrees, t up to 1 in 1/256; in 1/256 degree.
     let slope = (across << 8) / along;
     let turned = (slope * (45 * 256 + ((4004 * (256 - slope.abs())) >> 8))) >> 8;
     let bin = (bin as i32 + ((turned + 128) >> 8)).rem_euclid(BINS as i32) as usize;
     let range = along + ((across * slope) >> 9);
-    (bin, ((range + PARTS as i32 / 2) / PARTS as i32) as u16)
+    (bin, ((range + PARTS / 2) / PARTS) as u16)
 }
 
 #[cfg(test)]
@@ -116,7 +134,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn ends_stay_where_they_are(
+        fn predicted_end_points_match_exact_geometry(
             forward in -400_i32..=400, left in -400_i32..=400, bin in 0_usize..BINS, steps in 60_u16..=MAX_STEPS,
         ) {
             let angle = (bin as f64).to_radians();
@@ -131,14 +149,14 @@ mod tests {
         }
 
         #[test]
-        fn near_ends_do_no_harm(forward in -1200_i32..=1200, left in -1200_i32..=1200, bin in 0_usize..BINS, steps in 0_u16..60) {
+        fn end_points_nearer_than_the_displacement_stay_in_range(forward in -1200_i32..=1200, left in -1200_i32..=1200, bin in 0_usize..BINS, steps in 0_u16..60) {
             let (found, range) = seen([forward, left], bin, steps);
             prop_assert!(found < BINS && range <= MAX_STEPS);
         }
     }
 
     #[test]
-    fn a_view_turns_as_the_robot_does() {
+    fn a_turned_view_equals_a_shift_of_the_scores() {
         let building = Building::new();
         let layer = building.layer();
         let (at, heading) = (point(7.1, 2.3), Turn::from_ratio(33, 360));
@@ -161,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn a_step_aside_is_in_the_frame_of_the_heading() {
+    fn displacements_are_rotated_into_the_heading() {
         let building = Building::new();
         let view = View::cast(&building.layer().plan, point(7.1, 2.3), Turn::from_ratio(1, 4), 4).unwrap();
         let half = Metres::from_num(0.5);

@@ -1,10 +1,10 @@
-//! A table laid out so that a candidate is scored at all headings by a few sums of long rows.
+//! A layout of the evidence table that scores a candidate at all headings by a few sums of long rows.
 //!
-//! The candidate's ray i, cast with heading 0, is seen by a robot of heading h in bin i - h. Rows are
-//! stored backwards, so the values of all headings lie one behind the other, and twice, so that they
-//! do not wrap. A row holds running sums: neighbouring rays of one plane (a third to two thirds of
-//! all) cost one difference instead of one sum each. Values count from -[`LIMIT`], so running sums only
-//! grow; they may wrap at 2^16, which the last difference undoes: 360 values reach at most 63,360.
+//! The candidate's ray i, cast with heading 0, lies in bin i - h of a robot of heading h. Rows are stored in reverse
+//! order, so that the values of all headings are contiguous, and twice, so that they do not wrap. A row holds prefix
+//! sums: a run of rays of one plane (a third to two thirds of all rays are in such runs) costs one difference. Values
+//! are offset by [`LIMIT`], so that prefix sums increase. They may wrap at 2^16, which the difference cancels: 360 values
+//! add up to at most 63,360.
 
 use super::evidence::{EvidenceTable, LIMIT, OPEN_PLANE, PLANES, plane_of};
 use crate::base::ladder::RANGE_RUNGS;
@@ -15,13 +15,14 @@ use crate::base::scan::{Hit, Scan};
 use crate::map::site_map::{LADDER, PACKED_SCAN_BYTES};
 use bytemuck::{Pod, Zeroable};
 
-/// The value of "nothing known", counted from -[`LIMIT`].
+/// The value 0 with the offset [`LIMIT`].
 const ZERO: u16 = LIMIT.to_bits().unsigned_abs() as u16;
 const _: () = assert!(BINS * 2 * ZERO as usize <= u16::MAX as usize, "sums fit 16 bits");
-/// Up to here running sums around the circle and once more do not wrap.
+/// Largest number of headings whose prefix sums over two turns do not wrap at 2^16.
 const UNWRAPPED: usize = u16::MAX as usize / (4 * ZERO as usize);
 
-/// Planes of walls by range code; open is open.
+/// Planes by the range code of a [packed scan](crate::map::site_map::PackedScan), for walls and open directions.
+#[expect(clippy::indexing_slicing, reason = "evaluated at compile time")]
 static WALL_PLANES: [u8; 256] = {
     let mut planes = [OPEN_PLANE; 256];
     let mut code = 0;
@@ -32,14 +33,17 @@ static WALL_PLANES: [u8; 256] = {
     planes
 };
 
-/// A [`EvidenceTable`] at N headings, 360 or a divisor of it that is even: 870 N bytes.
+/// An [`EvidenceTable`] prepared for scoring at N headings: 870 N bytes. N is even and divides 360.
 ///
-/// A bin is the mean of the table's `360 / N`, rounded to the nearest 1/16 nat.
+/// A bin is the mean of `360 / N` bins of the table, rounded to the nearest 1/16 nat.
+///
+/// # Accuracy
+/// Exact sums: scores equal those of the table summed cell by cell (test `scores_equal_the_direct_sum`).
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(transparent)]
 pub struct Rows<const N: usize> {
-    /// Sums of what lies before, backwards from the last bin and around the circle twice; then sums of
-    /// [`ROUGH`](Self::ROUGH) bins, from every other one on, backwards from bin 0 and twice.
+    /// Per plane: prefix sums in reverse order of the bins over two turns; then sums of [`ROUGH`](Self::ROUGH) bins,
+    /// beginning at every second bin, in reverse order over two turns.
     sums: [[[u16; N]; 3]; PLANES],
 }
 
@@ -50,10 +54,10 @@ impl<const N: usize> Rows<N> {
         BINS / N
     };
 
-    /// Rows to be [set](Rows::set): all bytes zero.
+    /// Rows to be filled by [`Rows::set`]: all bytes zero.
     pub const BLANK: Self = Self { sums: [[[0; N]; 3]; PLANES] };
 
-    /// Every how many-th ray a rough score looks at: a divisor of N that is even.
+    /// Stride of the rays of a rough score: an even divisor of N.
     const ROUGH: usize = if N.is_multiple_of(6) {
         6
     } else if N.is_multiple_of(4) {
@@ -62,12 +66,17 @@ impl<const N: usize> Rows<N> {
         2
     };
 
-    /// A sum of N bins, the bits of [`BinNats`], as one of 360.
+    /// A sum over N bins, the bits of [`BinNats`], scaled to 360 bins.
+    #[expect(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "at most 360")]
     pub(super) const fn of_360(score: i16) -> Nats {
         Nats::from_bits(score as i32 * Self::STRIDE as i32)
     }
 
-    /// Takes over a table.
+    /// Prepares a table for scoring.
+    ///
+    /// # Cost
+    /// Four additions per plane and bin, and up to 6 per plane and second bin.
+    #[expect(clippy::cast_possible_truncation, reason = "at most 360")]
     pub fn set(&mut self, table: &EvidenceTable) {
         for (plane, [once, again, rough]) in (0..).zip(&mut self.sums) {
             let Some(values) = table.plane(plane) else { return };
@@ -95,7 +104,7 @@ impl<const N: usize> Rows<N> {
     #[must_use]
     pub fn planes(scan: &Scan) -> [u8; N] {
         let mut planes = [OPEN_PLANE; N];
-        // The middle one of the bins that make up a bin.
+        // The middle one of the `STRIDE` bins of the scan.
         let middle = Self::STRIDE / 2;
         let rays = scan.steps.iter().zip(&scan.hit).skip(middle).step_by(Self::STRIDE);
         for (plane, (&steps, &hit)) in planes.iter_mut().zip(rays) {
@@ -104,7 +113,7 @@ impl<const N: usize> Rows<N> {
         planes
     }
 
-    /// The planes of a candidate from the bytes a site map stores; those of the unpacked scan.
+    /// The planes of a candidate from the bytes of a site map: the same as of the unpacked scan.
     #[must_use]
     #[inline]
     pub fn planes_of_packed(packed: &[u8; PACKED_SCAN_BYTES]) -> [u8; N] {
@@ -115,8 +124,9 @@ impl<const N: usize> Rows<N> {
         planes
     }
 
-    /// Those of every `step`-th ray.
+    /// The planes of every `step`-th ray.
     #[inline]
+    #[expect(clippy::cast_possible_truncation, reason = "72 rungs")]
     fn every_plane(packed: &[u8; PACKED_SCAN_BYTES], step: usize) -> impl Iterator<Item = u8> {
         let (codes, windows) = packed.split_at(BINS);
         (Self::STRIDE / 2..BINS).step_by(step * Self::STRIDE).map(move |bin| {
@@ -127,16 +137,24 @@ impl<const N: usize> Rows<N> {
         })
     }
 
-    /// Log-likelihood at every heading, the bits of [`BinNats`] and of N bins: `out[s]` at heading s 360 / N degrees.
+    /// Scores of a candidate at all headings: `out[s]` is the sum over N bins at heading s 360 / N degrees.
     ///
-    /// A plane that does not exist counts as open.
+    /// # Formats
+    /// `planes[i]` is the plane of ray i, cast with heading 0; planes above [`OPEN_PLANE`] count as open. `out` has the
+    /// bits of [`BinNats`], 1/16 nat.
+    ///
+    /// # Cost
+    /// 2 N additions per run of equal planes.
     #[inline]
     pub fn scores(&self, planes: &[u8; N], out: &mut [i16; N]) {
         *out = self.sums_of(planes).map(Self::of_sum);
     }
 
-    /// About the best of them, in the same bits, for a candidate as a site map stores it, in a tenth of the time: a
-    /// fourth of its rays or fewer stand for those after them as well, and every other heading is tried.
+    /// Estimate of the best score of a candidate, in the bits of [`Rows::scores`], from a subset of its rays at every
+    /// second heading. Each ray of the subset stands for the 2, 4 or 6 rays from it on.
+    ///
+    /// # Cost
+    /// N / 2 additions per ray of the subset: N / 6 rays where 6 divides N, else N / 4, else N / 2.
     #[must_use]
     #[inline]
     pub fn rough_top(&self, packed: &[u8; PACKED_SCAN_BYTES]) -> i16 {
@@ -155,7 +173,7 @@ impl<const N: usize> Rows<N> {
         Self::of_sum(sums.iter().fold(0, |top, sum| top.max(*sum)))
     }
 
-    /// Sums of values counted from -[`LIMIT`].
+    /// Sums of values with the offset [`LIMIT`] each.
     #[inline]
     fn sums_of(&self, planes: &[u8; N]) -> [u16; N] {
         let mut sums = [0; N];
@@ -168,11 +186,12 @@ impl<const N: usize> Rows<N> {
         sums
     }
 
+    #[expect(clippy::cast_possible_truncation, reason = "at most 360")]
     const fn of_sum(sum: u16) -> i16 {
         sum.wrapping_sub(N as u16 * ZERO).cast_signed()
     }
 
-    /// Per run of equal planes the two rows whose difference is its sum.
+    /// Per run of equal planes, the two rows of prefix sums whose difference is the sum of the run.
     #[inline]
     fn runs<'a>(&'a self, planes: &'a [u8; N]) -> impl Iterator<Item = Run<'a, N>> {
         let (mut at, mut rest) = (N, planes.as_slice());
@@ -190,7 +209,7 @@ impl<const N: usize> Rows<N> {
     }
 }
 
-/// Running sums at all headings, from the first ray of a run on and from behind the last.
+/// Prefix sums at all headings, at the first ray of a run and behind its last.
 #[derive(Debug, Clone, Copy)]
 struct Run<'a, const N: usize> {
     plus: &'a [u16; N],
@@ -201,7 +220,7 @@ impl<const N: usize> Run<'_, N> {
     const NONE: Self = Self { plus: &[0; N], minus: &[0; N] };
 }
 
-/// Adds three runs: as many as the registers of a small processor can follow.
+/// Adds three runs: the number whose pointers fit the registers of a Cortex-M.
 #[inline]
 fn add<const N: usize>([a, b, c]: [Run<'_, N>; 3], sums: &mut [u16; N]) {
     let plus = a.plus.iter().zip(b.plus).zip(c.plus);
@@ -212,7 +231,8 @@ fn add<const N: usize>([a, b, c]: [Run<'_, N>; 3], sums: &mut [u16; N]) {
     }
 }
 
-/// Adds three runs, two headings to a word: without wrapping no half ever borrows from the next for good.
+/// Adds three runs, two headings per word. Prefix sums that do not wrap give sums that are not negative, so that a borrow
+/// between the halves cancels within the word.
 #[inline]
 fn add_pairs<const N: usize>(runs: [Run<'_, N>; 3], sums: &mut [u16; N]) {
     let rise = |plus: &[u16; 2], minus: &[u16; 2]| word(plus).wrapping_sub(word(minus));
@@ -223,7 +243,7 @@ fn add_pairs<const N: usize>(runs: [Run<'_, N>; 3], sums: &mut [u16; N]) {
     }
 }
 
-/// Adds five rough rows.
+/// Adds five rows of a rough score.
 #[inline]
 fn add_rough([a, b, c, d, e]: [&[u16]; 5], sums: &mut [u16]) {
     for (sum, ((((a, b), c), d), e)) in sums.iter_mut().zip(a.iter().zip(b).zip(c).zip(d).zip(e)) {
@@ -231,7 +251,7 @@ fn add_rough([a, b, c, d, e]: [&[u16]; 5], sums: &mut [u16]) {
     }
 }
 
-/// The same two headings to a word: no half ever overflows.
+/// Adds five rows of a rough score, two headings per word. No half overflows: a rough sum fits 16 bits.
 #[inline]
 fn add_rough_pairs(rows: [&[u16]; 5], sums: &mut [u16]) {
     let [a, b, c, d, e] = rows.map(|row| row.as_chunks::<2>().0.iter().map(word));
@@ -242,13 +262,14 @@ fn add_rough_pairs(rows: [&[u16]; 5], sums: &mut [u16]) {
     }
 }
 
-/// Two values in a word.
+/// Two values as one word.
 #[inline]
 fn word(pair: &[u16; 2]) -> u32 {
     u32::from(pair[0]) | u32::from(pair[1]) << 16
 }
 
 #[inline]
+#[expect(clippy::cast_possible_truncation, reason = "the halves of a word")]
 const fn pair(word: u32) -> [u16; 2] {
     [word as u16, (word >> 16) as u16]
 }
@@ -303,7 +324,7 @@ mod tests {
         Ok(())
     }
 
-    /// The rough score is the best of every other heading, where rays agree with the ones after them.
+    /// The rough score equals the best score over every second heading if each ray of the subset equals those it stands for.
     fn check_rough<const N: usize>(seed: u64) -> Result<(), TestCaseError> {
         let mut rows = Box::new(Rows::<N>::BLANK);
         rows.set(&noise(seed));
@@ -330,7 +351,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(12))]
         #[test]
-        fn sums_are_those_of_the_table(seed: u64) {
+        fn scores_equal_the_direct_sum(seed: u64) {
             check::<360>(seed)?;
             check::<180>(seed)?;
             check::<120>(seed)?;
@@ -339,7 +360,7 @@ mod tests {
         }
 
         #[test]
-        fn rough_scores_are_those_of_rays_that_agree_with_the_ones_after_them(seed: u64) {
+        fn rough_scores_are_exact_for_repeated_rays(seed: u64) {
             check_rough::<360>(seed)?;
             check_rough::<90>(seed)?;
             check_rough::<40>(seed)?;

@@ -1,4 +1,4 @@
-//! All candidates of all layers at all headings, and the best of them that lie apart.
+//! Exhaustive search over candidates and headings, with non-maximum suppression.
 
 use super::rows::Rows;
 use crate::base::num::{BINS, Nats, Point, Turn};
@@ -9,21 +9,22 @@ use crate::map::site_map::{PACKED_SCAN_BYTES, SiteMap};
 use bytemuck::{Pod, Zeroable};
 use core::cmp::Reverse;
 
-/// A candidate's second heading is at least this many degrees from its best.
+/// Smallest angle between the two headings kept per candidate, degrees.
 const SECOND_DEGREES: usize = Separation::ALTERNATIVES.turn.to_bin();
-/// What a rough score may be too low by.
+/// Margin added to a [rough score](Rows::rough_top) before a candidate is rejected by it. With 30 nats no pose was lost on
+/// 129 frame pairs (`docs/design.md`).
 const SLACK: Nats = Nats::lit("30");
 
-/// One layer of one floor: its candidates and the plan they were cast from.
+/// One layer of one floor: its candidates and the plan that they were cast from.
 #[derive(Debug, Clone, Copy)]
 pub struct FloorLayer<'a> {
-    /// The candidates.
+    /// Site map of the floor.
     pub map: SiteMap<'a>,
-    /// Which of their layers.
+    /// Number of the layer: 0 plan, 1 structure.
     pub number: u8,
-    /// The plan of that layer.
+    /// Packed plan of the layer.
     pub plan: Plan<'a>,
-    /// The floor: layers of one floor share their coordinates.
+    /// Number of the floor in the site. Layers of one floor share its coordinates.
     pub floor: u8,
     /// Name of the floor.
     pub name: &'a str,
@@ -36,32 +37,33 @@ impl<'a> FloorLayer<'a> {
     }
 }
 
-/// Where a scored pose is; `None` if its layer does not exist.
+/// A scored pose without its layer and score; `None` if its layer does not exist.
 pub(super) fn pose_of(layers: &[FloorLayer<'_>], scored: &ScoredPose) -> Option<Pose> {
     let floor = layers.get(usize::from(scored.layer))?.floor;
     Some(Pose { floor, at: scored.at, heading: scored.heading })
 }
 
-/// Most places that a pool keeps.
+/// Largest useful size of a pool.
 pub const MAX_POOL: usize = 4096;
 
-/// A candidate at a heading and its score, kept while others are scored.
+/// A candidate at a heading with its score: an entry of the pool of the search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Pod, Zeroable)]
 #[repr(C)]
 pub struct PoolEntry {
     score: Nats,
     heading: u32,
-    /// Column and row of the plan, row from the south.
+    /// Plan cell: column from the west, row from the south.
     cell: [u16; 2],
     layer: u32,
 }
 
 impl PoolEntry {
-    /// An entry to be overwritten. Every byte is zero.
+    /// A place-holder of zero bytes.
     pub const EMPTY: Self = Self { score: Nats::ZERO, heading: 0, cell: [0; 2], layer: 0 };
 
     /// The pose; `None` if the layer does not exist.
     #[must_use]
+    #[expect(clippy::cast_possible_truncation, reason = "the search numbers at most 256 layers")]
     pub fn pose(&self, layers: &[FloorLayer<'_>]) -> Option<ScoredPose> {
         let at = self.position(layers)?;
         Some(ScoredPose { layer: self.layer as u8, at, heading: self.heading(), score: self.score })
@@ -69,36 +71,41 @@ impl PoolEntry {
 
     fn position(&self, layers: &[FloorLayer<'_>]) -> Option<Point> {
         let [column, row] = self.cell;
-        Some(layers.get(self.layer as usize)?.map.header().frame.cell_centre(column, row))
+        Some(layers.get(self.layer as usize)?.map.header().grid.cell_centre(column, row))
     }
 
     const fn heading(&self) -> Turn {
         Turn::from_bits(self.heading)
     }
 
-    /// As [`ScoredPose::order`]: positions rise with columns and rows.
+    /// The order of [`ScoredPose::order`]: positions increase with columns and rows.
     fn order(&self) -> impl Ord + use<> {
         let [column, row] = self.cell;
         (Reverse(self.score), self.layer, row, column, self.heading)
     }
 }
 
-/// Scores the candidates of all layers at N headings. Each offers its best heading, and its best one at
-/// least 20 degrees from that; `pool` keeps the best offers and then those of them that lie apart:
-/// 0.75 m or 15 degrees within a layer. Returns how many modes `pool` begins with, best first.
+/// Scores the candidates of all layers at N headings, and keeps the best poses that are separated.
 ///
-/// `among` tells by layer and number which candidates to look at: `|_, _| true` for all. Of layers only
-/// the first 256 are searched.
+/// Each candidate contributes its best heading, and the best one at least 20 degrees from that. `pool` keeps the entries
+/// of highest score; then non-maximum suppression drops those within 0.75 m and 15 degrees of a better one on the same
+/// layer. Returns the number of poses at the front of `pool`, by descending score.
 ///
-/// A candidate is passed over if a few of its rays say that it is far from being kept
-/// ([`Rows::rough_top`]). That is a likelihood too, not a bound: what is passed over might have been kept, but hardly
-/// as the best.
+/// `among` selects candidates by layer and number: `|_, _| true` for all. Only the first 256 layers are searched.
+///
+/// A candidate is rejected early if its [rough score](Rows::rough_top) is more than 30 nats below the worst entry of a
+/// full pool. The rough score is an estimate, not a bound: a pose that belongs into the pool can be lost, though hardly
+/// the best one.
+///
+/// # Formats
+/// Headings are the multiples of 360 / N degrees. Scores are in 1/16 nat, scaled to 360 bins.
 ///
 /// # Cost
-/// For each candidate N / 2 times an addition per rough ray, of which there are N / 6 to N / 2, and for those that are not
-/// passed over N times twice the number of runs of equal planes: about 107 runs at N = 360 and 61 at N = 90 on an office
-/// floor, and N at most.
+/// Per candidate N / 2 additions for each of N / 6 to N / 2 rough rays. Per candidate that is not rejected, 2 N additions
+/// for each run of equal planes: at most N runs; about 107 at N = 360 and 61 at N = 90 on an office floor. The suppression
+/// is quadratic in the size of the pool.
 #[inline]
+#[expect(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "at most 360 headings")]
 pub fn search<const N: usize>(
     rows: &Rows<N>,
     layers: &[FloorLayer<'_>],
@@ -133,7 +140,7 @@ fn top(scores: &[i16]) -> i16 {
     scores.iter().fold(i16::MIN, |top, &score| top.max(score))
 }
 
-/// The best heading and the best one far from it, with their scores; of equal ones the first.
+/// The best heading and the best one at least [`SECOND_DEGREES`] from it, with their scores; of equal ones the first.
 fn peaks<const N: usize>(scores: &[i16; N]) -> impl Iterator<Item = (usize, i16)> {
     let first = best(scores.iter().copied().enumerate());
     let is_far = move |heading: usize| {
@@ -148,14 +155,14 @@ fn best(scores: impl Iterator<Item = (usize, i16)>) -> (usize, i16) {
     scores.fold((0, i16::MIN), |best, here| if here.1 > best.1 { here } else { best })
 }
 
-/// The best offers so far; when full a heap whose first is the worst.
+/// The best entries so far; when full, a heap with the worst entry first.
 struct Pool<'a> {
     slots: &'a mut [PoolEntry],
     used: usize,
 }
 
 impl Pool<'_> {
-    /// Whether an offer of this score could be kept.
+    /// Whether an entry of this score could be kept.
     fn is_worth(&self, score: Nats) -> bool {
         self.used < self.slots.len() || self.slots.first().is_some_and(|worst| score >= worst.score)
     }
@@ -175,7 +182,7 @@ impl Pool<'_> {
         }
     }
 
-    /// Moves those that lie apart to the front, best first, and returns their number.
+    /// Non-maximum suppression: moves the remaining entries to the front, best first, and returns their number.
     fn suppress_near(self, layers: &[FloorLayer<'_>]) -> usize {
         let entries = self.slots.get_mut(..self.used).unwrap_or_default();
         order::sort_by_key(entries, PoolEntry::order);

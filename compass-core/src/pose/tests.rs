@@ -4,7 +4,7 @@ use crate::base::num::{BINS, Metres, Nats, Point, Turn};
 use crate::base::pose::Separation;
 use crate::base::raster::BitMask;
 use crate::base::scan::{Hit, MAX_STEPS, Scan};
-use crate::map::plan::{Frame, Plan, pack, packed_len};
+use crate::map::plan::{Plan, PlanGrid, pack, packed_len};
 use crate::map::site_map::{Header, Layer, PackedScan, SiteMap, Writer};
 use std::boxed::Box;
 use std::vec;
@@ -12,7 +12,7 @@ use std::vec::Vec;
 
 const WIDTH: u32 = 600;
 const HEIGHT: u32 = 400;
-const FRAME: Frame = Frame { resolution_nm: 20_000_000, origin: Point::new(Metres::ZERO, Metres::ZERO) };
+const GRID: PlanGrid = PlanGrid { resolution_nm: 20_000_000, origin: Point::new(Metres::ZERO, Metres::ZERO) };
 
 /// Walls and windows as left, bottom, width, height in cells of 0.02 m: 12 x 8 m, three rooms, a pillar.
 const WALLS: [[u32; 4]; 10] = [
@@ -55,7 +55,7 @@ impl Building {
         let (walls, windows) =
             (BitMask::new(&walls, WIDTH, HEIGHT).unwrap(), BitMask::new(&windows, WIDTH, HEIGHT).unwrap());
         let mut bytes = vec![0; packed_len(&walls, &windows).unwrap()];
-        let plan = pack(&walls, &windows, FRAME, &mut bytes).unwrap();
+        let plan = pack(&walls, &windows, GRID, &mut bytes).unwrap();
         let mut scan = Scan::OPEN;
         let cells =
             (12..HEIGHT as u16).step_by(25).flat_map(|y| (12..WIDTH as u16).step_by(25).map(move |x| [x, y]));
@@ -68,7 +68,7 @@ impl Building {
         let header = Header {
             candidates: found.len() as u32,
             layers: 1,
-            frame: FRAME,
+            grid: GRID,
             spacing_mm: 500,
             plan_size: [WIDTH, HEIGHT],
             plan_checksum: plan.checksum(),
@@ -87,7 +87,7 @@ impl Building {
     }
 }
 
-/// What a fair observer at a pose writes: a third unknown, a tenth at the wrong range.
+/// Evidence of a scan: a third of the directions unknown, a tenth at a wrong range.
 pub(crate) fn evidence(scan: &Scan, random: &mut impl FnMut() -> u32) -> Box<EvidenceTable> {
     let mut table = Box::new(EvidenceTable::EMPTY);
     for bin in 0..BINS {
@@ -111,7 +111,7 @@ pub(crate) fn point(x: f64, y: f64) -> Point {
     Point::new(Metres::from_num(x), Metres::from_num(y))
 }
 
-fn find<const N: usize>(building: &Building, seed: u32) {
+fn check_found<const N: usize>(building: &Building, seed: u32) {
     let layer = building.layer();
     let mut state = seed;
     let mut random = || {
@@ -128,19 +128,19 @@ fn find<const N: usize>(building: &Building, seed: u32) {
         rows.set(&table);
         let mut pool = [PoolEntry::EMPTY; 64];
         let used = search(&rows, &[layer], |_, _| true, &mut pool);
-        let mut modes = poses(&[layer], &pool[..used.min(8)]);
-        for mode in modes.iter_mut() {
-            let refined = refine(&table, &layer, *mode);
-            let again = refine(&table, &layer, refined);
-            assert!(again.score >= refined.score, "never worse");
-            assert_eq!(layer.plan.hit_at(refined.at), Some(Hit::Open));
-            *mode = refined;
+        let mut refined = poses(&[layer], &pool[..used.min(8)]);
+        for pose in refined.iter_mut() {
+            let climbed = refine(&table, &layer, *pose);
+            let again = refine(&table, &layer, climbed);
+            assert!(again.score >= climbed.score, "never worse");
+            assert_eq!(layer.plan.hit_at(climbed.at), Some(Hit::Open));
+            *pose = climbed;
         }
-        let answer = answer(&[layer], &mut modes);
-        let best = answer.best().unwrap();
+        let alternatives = select_alternatives(&[layer], &mut refined);
+        let best = alternatives.best().unwrap();
         assert!(best.at.within(at, Metres::from_num(0.05)), "{best:?}, not {at:?}");
         assert!(best.heading.distance(heading) < Turn::from_ratio(1, 720), "{best:?}, not {degrees} degrees");
-        assert!(answer.margin() > Nats::ZERO);
+        assert!(alternatives.margin() > Nats::ZERO);
     }
 }
 
@@ -148,43 +148,42 @@ fn find<const N: usize>(building: &Building, seed: u32) {
 fn a_pose_off_the_grid_is_found() {
     let building = Building::new();
     for seed in 0..4 {
-        find::<360>(&building, seed);
-        find::<90>(&building, seed);
-        find::<40>(&building, seed);
+        check_found::<360>(&building, seed);
+        check_found::<90>(&building, seed);
+        check_found::<40>(&building, seed);
     }
 }
 
 #[test]
-fn a_mode_in_a_wall_or_outside_stays() {
+fn a_pose_in_a_wall_or_outside_is_returned_unchanged() {
     let building = Building::new();
     for at in [point(0.05, 0.05), point(-1.0, 3.0), Point::new(Metres::MAX, Metres::MIN)] {
-        let mode = ScoredPose { at, score: Nats::from_bits(7), ..ScoredPose::NONE };
-        assert_eq!(refine(&EvidenceTable::EMPTY, &building.layer(), mode), mode);
+        let pose = ScoredPose { at, score: Nats::from_bits(7), ..ScoredPose::NONE };
+        assert_eq!(refine(&EvidenceTable::EMPTY, &building.layer(), pose), pose);
     }
 }
 
 #[test]
-fn nothing_known_says_nothing() {
+fn an_empty_table_scores_zero_everywhere() {
     let building = Building::new();
     let mut rows = Box::new(Rows::<90>::BLANK);
     rows.set(&EvidenceTable::EMPTY);
     let mut pool = [PoolEntry::EMPTY; 16];
     let used = search(&rows, &[building.layer()], |_, _| true, &mut pool);
     assert!(
-        used > 0 && poses(&[building.layer()], &pool[..used]).iter().all(|mode| mode.score == Nats::ZERO)
+        used > 0 && poses(&[building.layer()], &pool[..used]).iter().all(|pose| pose.score == Nats::ZERO)
     );
     assert_eq!(search(&rows, &[building.layer()], |_, _| false, &mut pool), 0);
     assert_eq!(search(&rows, &[building.layer()], |_, _| true, &mut []), 0);
 }
 
-/// The entries of a pool as poses.
+/// Entries of a pool as poses.
 fn poses(layers: &[FloorLayer<'_>], pool: &[PoolEntry]) -> Vec<ScoredPose> {
     pool.iter().filter_map(|entry| entry.pose(layers)).collect()
 }
 
-/// Whatever its size, the pool keeps the best offers.
 #[test]
-fn a_small_pool_keeps_the_best() {
+fn a_pool_of_any_size_keeps_the_best() {
     let building = Building::new();
     let layer = building.layer();
     let mut scan = Scan::OPEN;
@@ -202,7 +201,9 @@ fn a_small_pool_keeps_the_best() {
     let all = poses(&[layer; 2], &all);
     assert_eq!(all[0].at, all[1].at, "both layers are kept");
     let mut layers = [layer; 2];
-    let floors = |layers: &[FloorLayer<'_>], all: &[ScoredPose]| answer(layers, &mut all.to_vec()).modes()[1];
+    let floors = |layers: &[FloorLayer<'_>], all: &[ScoredPose]| {
+        select_alternatives(layers, &mut all.to_vec()).poses()[1]
+    };
     let (first, second) = (all[0], floors(&layers, &all));
     let separation = Separation { distance: Metres::ONE, turn: Turn::from_ratio(20, 360) };
     assert!(!separation.is_near(second.place(), first.place()));
@@ -212,7 +213,7 @@ fn a_small_pool_keeps_the_best() {
         let mut few = vec![PoolEntry::EMPTY; len];
         let kept = search(&rows, &[layer, layer], |_, _| true, &mut few);
         let few = poses(&[layer; 2], &few[..kept]);
-        assert!(kept > 0 && few.iter().all(|mode| all.contains(mode)));
+        assert!(kept > 0 && few.iter().all(|pose| all.contains(pose)));
         assert_eq!(few[0], all[0]);
     }
 }

@@ -1,25 +1,32 @@
-//! What is seen of the walls of the plan: whether they stand where they are drawn.
+//! Comparison of evidence with the plan at a known pose: which drawn walls are confirmed and which are absent.
 //!
-//! At a pose that is known, the evidence of a direction prefers one range. If that is where the plan has a wall, the wall
-//! stands; if it lies beyond, one looks through where the wall should be; if it lies before, something hides it, and
-//! nothing can be said. Bins next to each other and frames from one place err together: the figures rank, and many of
-//! them should agree before anything is taken down.
+//! The evidence of a direction favours one range. At the range of the drawn wall it confirms the wall. At a larger range
+//! the line of sight passes through the drawn wall, which speaks against it. At a smaller range the wall is occluded, and
+//! the direction is ignored. Errors of neighbouring bins and of frames from nearby positions are correlated: sum the
+//! values over many frames before a decision.
 
 use super::evidence::{EvidenceTable, OPEN_PLANE, plane_of};
 use crate::base::ladder::RANGE_RUNGS;
 use crate::base::num::{BINS, BinNats, CellNats};
 use crate::base::scan::{Hit, Scan};
 
-/// Rungs of range, 6.3 % each, by which what is seen may miss the drawn wall and still be it.
+/// Range tolerance of a confirmed wall, in rungs of 6.3 %: 13 %.
 const HERE: usize = 2;
-/// From so many rungs on it lies before or beyond: 28 %.
+/// Smallest range difference, in rungs of 6.3 %, of evidence before or beyond the drawn wall: 28 %.
 const ELSEWHERE: usize = 4;
 
-/// By how much the evidence prefers the drawn wall to anything beyond it: above 0 it stands, below 0 one looks
-/// through. 0 where the plan has no wall, where nothing is known and where something nearer hides the wall; windows are
-/// looked through in any case.
+/// Per direction, the log-likelihood ratio of the drawn wall against the best range beyond it: positive where the wall is
+/// confirmed, negative where the line of sight passes through it.
 ///
-/// `scan` is the plan's at the pose that `table` was seen from.
+/// `scan` is cast from the plan at the pose of the cameras; `table` is the evidence in that pose's axes. The value is 0
+/// where the plan has no wall (windows are transparent), where the table is 0, and where a nearer range has more evidence
+/// than both (occlusion).
+///
+/// # Formats
+/// Values in 1/16 nat, within twice the table's [`LIMIT`](super::LIMIT).
+///
+/// # Cost
+/// At most 4 times [`RANGE_RUNGS`] look-ups per direction.
 #[must_use]
 pub fn compare(table: &EvidenceTable, scan: &Scan) -> [BinNats; BINS] {
     let mut verdicts = [BinNats::ZERO; BINS];
@@ -39,7 +46,8 @@ pub fn compare(table: &EvidenceTable, scan: &Scan) -> [BinNats; BINS] {
     verdicts
 }
 
-/// The most that speaks for a wall or a window at one of some rungs.
+/// The largest value of a wall or a window over the rungs `from..to`.
+#[expect(clippy::cast_possible_truncation, reason = "planes are below OPEN_PLANE")]
 fn best(table: &EvidenceTable, bin: usize, from: usize, to: usize) -> BinNats {
     let at = |rung: usize| {
         let [wall, window] = [rung, RANGE_RUNGS + rung].map(|plane| table.get(plane as u8, bin));

@@ -38,7 +38,7 @@ impl<'a> JudgedFrame<'a> {
         truth: &Trajectory,
     ) -> Self {
         let truth = truth.at(record.timestamp_ns);
-        let track = estimate.map(|estimate| Found::from(&estimate.mode));
+        let track = estimate.map(|estimate| Found::from(&estimate.pose));
         let best = |found: &'a [Found]| found.first();
         let all = [
             best(&record.single),

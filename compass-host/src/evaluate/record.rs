@@ -3,7 +3,7 @@
 use crate::up::UpFrom;
 use compass_core::base::num::{Metres, Nats, Point, Turn};
 use compass_core::descriptor::similarity::{Similarity, Weights};
-use compass_core::pose::{Answer, ScoredPose};
+use compass_core::pose::{Alternatives, ScoredPose};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -86,8 +86,8 @@ impl From<&Found> for ScoredPose {
 impl Found {
     /// All poses of an answer.
     #[must_use]
-    pub fn all(answer: &Answer) -> Vec<Self> {
-        answer.modes().iter().map(Self::from).collect()
+    pub fn all(alternatives: &Alternatives) -> Vec<Self> {
+        alternatives.poses().iter().map(Self::from).collect()
     }
 
     /// Position in metres.

@@ -76,12 +76,12 @@ fn draw_plan(path: &Path, data: &ReportData<'_>) -> Result<()> {
 /// Calls `draw` with a packed plan as the figures want it.
 fn with_plan<T>(plan: &Plan<'_>, draw: impl FnOnce(&PlanPicture<'_>) -> T) -> T {
     let is = |x: u32, y: u32, hit: Hit| plan.hit_at(plan.cell_centre(x as u16, y as u16)) == Some(hit);
-    let frame = plan.frame();
+    let grid = plan.grid();
     draw(&PlanPicture {
         width: plan.width(),
         height: plan.height(),
-        resolution_m: f64::from(frame.resolution_nm) / 1e9,
-        origin: [frame.origin.x.to_num(), frame.origin.y.to_num()],
+        resolution_m: f64::from(grid.resolution_nm) / 1e9,
+        origin: [grid.origin.x.to_num(), grid.origin.y.to_num()],
         is_wall: &|x, y| is(x, y, Hit::Wall),
         is_window: &|x, y| is(x, y, Hit::Window),
     })

@@ -77,9 +77,9 @@ pub fn follow(
             seconds += started.elapsed().as_secs_f64();
             let judge = Judge { layers, floor: job.floor };
             let on_floor = |pose: &ScoredPose| judge.is_on_floor(&Found::from(pose));
-            let sure = estimate.filter(|e| e.probability >= SURE && on_floor(&e.mode));
+            let sure = estimate.filter(|e| e.probability >= SURE && on_floor(&e.pose));
             if let Some((plan, sure)) = plan.zip(sure) {
-                walls.add(&plan, &sure.mode, table);
+                walls.add(&plan, &sure.pose, table);
             }
             estimate
         });

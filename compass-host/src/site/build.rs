@@ -91,7 +91,7 @@ pub fn build_with_progress(
     let header = Header {
         candidates: u32::try_from(cells.len()).map_err(|_| BuildError::TooManyCandidates)?,
         layers: plans.len() as u8,
-        frame: plan.view().frame(),
+        grid: plan.view().grid(),
         spacing_mm: (spacing_m * 1000.0).round() as u32,
         plan_size: [raster.width, raster.height],
         plan_checksum: plan.view().checksum(),

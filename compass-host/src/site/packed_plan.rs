@@ -3,7 +3,7 @@
 use super::place::{point, turn};
 use crate::plan_import::PlanRaster;
 use compass_core::base::scan::Scan;
-use compass_core::map::plan::{Frame, MarchError, Plan, PlanError, pack, packed_len};
+use compass_core::map::plan::{MarchError, Plan, PlanError, PlanGrid, pack, packed_len};
 use thiserror::Error;
 
 /// Why a raster cannot be packed.
@@ -43,9 +43,9 @@ impl PackedPlan {
         let (walls, windows) = (raster.walls_mask(), raster.windows_mask());
         let [x, y] = raster.origin;
         let origin = point(x, y).ok_or(PackError::Origin)?;
-        let frame = Frame { resolution_nm: raster.resolution_nm(), origin };
+        let grid = PlanGrid { resolution_nm: raster.resolution_nm(), origin };
         let mut bytes = vec![0; packed_len(&walls, &windows)?];
-        pack(&walls, &windows, frame, &mut bytes)?;
+        pack(&walls, &windows, grid, &mut bytes)?;
         Ok(Self { bytes })
     }
 

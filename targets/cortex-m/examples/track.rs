@@ -28,7 +28,7 @@ fn follow(site: &Site<'static>, memory: &mut [u32], track: &mut Track) -> Result
         let fix = seen.locate(HeightPrior::camera(1.6));
         let (seconds, motion) = if number == 0 { (0.0, None) } else { (SECONDS, Some(MOTION)) };
         let Some(now) = seen.track(track, &fix, seconds, motion) else { continue };
-        let at = now.mode.at;
+        let at = now.pose.at;
         println!(
             "x {:.2} m, y {:.2} m, probability {:.2}, spread {:.2} m",
             at.x, at.y, now.probability, now.spread_m

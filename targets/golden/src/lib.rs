@@ -501,7 +501,7 @@ mod tests {
         assert!(pose.at.within(at, Metres::lit("0.4")), "{pose:?}");
         assert!(pose.heading.distance(heading) < Turn::from_ratio(2, 360), "{pose:?}");
         let estimate = seen.track(&mut Track::new(), &fix, 0.0, None).unwrap();
-        assert!(estimate.mode.at.within(at, Metres::lit("0.4")), "{estimate:?}");
+        assert!(estimate.pose.at.within(at, Metres::lit("0.4")), "{estimate:?}");
     }
 
     #[test]

@@ -132,7 +132,7 @@ fn fix_words<'a>(fix: &'a Fix<'_>) -> impl Iterator<Item = u32> + 'a {
 fn estimate_words(estimate: Option<&Estimate>) -> impl Iterator<Item = u32> + '_ {
     estimate.into_iter().flat_map(|estimate| {
         let numbers = [estimate.probability, estimate.spread_m].map(f32::to_bits);
-        pose_words(&estimate.mode).into_iter().chain(numbers)
+        pose_words(&estimate.pose).into_iter().chain(numbers)
     })
 }
 

@@ -91,8 +91,8 @@ impl fmt::Display for Located<'_> {
             None => f.write_str("pose none\n")?,
         }
         match estimate {
-            Some(Estimate { mode, probability, spread_m }) => {
-                write!(f, "track {} probability {probability:.2} spread {spread_m:.2} m", Pose(mode))
+            Some(Estimate { pose, probability, spread_m }) => {
+                write!(f, "track {} probability {probability:.2} spread {spread_m:.2} m", Pose(pose))
             }
             None => f.write_str("track none"),
         }

@@ -1,4 +1,4 @@
-//! The best matches that lie apart.
+//! Selection of the best matches that are separated: non-maximum suppression.
 
 use crate::base::circle;
 use crate::base::num::{Point, Score, Turn};
@@ -8,14 +8,14 @@ use crate::base::pose::Separation;
 use crate::descriptor::similarity::Peak;
 use crate::map::site_map::SiteMap;
 
-/// How far alternatives are apart at least.
+/// Separation of alternatives.
 const APART: Separation = Separation::ALTERNATIVES;
 
-/// One candidate at one heading.
+/// A candidate at a heading, with its score.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Match {
-    /// Number of the candidate in its map.
+    /// Index of the candidate in the site map.
     pub candidate: u32,
     /// Heading shift and score.
     pub peak: Peak,
@@ -25,7 +25,7 @@ impl Match {
     /// A place-holder below every score.
     pub const NONE: Self = Self { candidate: u32::MAX, peak: Peak { shift: 0, score_bits: i32::MIN } };
 
-    /// The heading of the query on the map.
+    /// Heading of the query on the floor, counter-clockwise from +x.
     #[must_use]
     pub const fn heading(&self) -> Turn {
         Turn::from_bin(self.peak.shift as usize)
@@ -42,18 +42,18 @@ impl Match {
     }
 }
 
-/// What a search found.
+/// The result of a search.
 #[derive(Debug, Clone)]
 pub struct Answer {
     matches: heapless::Vec<Match, MAX_ALTERNATIVES>,
-    /// Candidates that were scored exactly, at one shift or more.
+    /// Number of candidates that were scored exactly at one shift or more.
     pub scored: u32,
-    /// Whether nothing that was left out could have won.
+    /// Whether no rejected candidate can have a better score than the best match.
     pub exhaustive: bool,
 }
 
 impl Answer {
-    /// Sorts the pool and keeps the best matches that lie apart.
+    /// Sorts the pool and keeps the best matches that are separated.
     pub(super) fn select(pool: &mut [Match], map: &SiteMap<'_>, scored: u32, exhaustive: bool) -> Self {
         let at = |candidate: u32| map.position(candidate as usize).unwrap_or_default();
         order::sort_by_key(pool, Match::order);
@@ -66,7 +66,7 @@ impl Answer {
         Self { matches, scored, exhaustive }
     }
 
-    /// The best match and its alternatives, best first, at least 1 m or 20 degrees apart.
+    /// The best match and its alternatives, by descending score; any two at least 1 m or 20 degrees apart.
     #[must_use]
     pub fn matches(&self) -> &[Match] {
         &self.matches
@@ -78,8 +78,7 @@ impl Answer {
         self.matches.first()
     }
 
-    /// By how much the best score exceeds the best one elsewhere; the best score itself when there is
-    /// no other.
+    /// Difference of the best and the second best score; the best score itself without a second match.
     #[must_use]
     pub fn margin(&self) -> Score {
         let score = |at: usize| self.matches.get(at).map_or(Score::ZERO, |m| m.peak.score());
@@ -87,7 +86,7 @@ impl Answer {
     }
 }
 
-/// A bounded pool of matches that keeps the best when it is full.
+/// A pool of matches in a lent slice; when full it keeps the best.
 pub(super) struct Pool<'a> {
     slots: &'a mut [Match],
     used: usize,
@@ -98,7 +97,7 @@ impl<'a> Pool<'a> {
         Self { slots, used: 0 }
     }
 
-    pub(super) fn offer(&mut self, found: Match) {
+    pub(super) fn insert_if_better(&mut self, found: Match) {
         if let Some(slot) = self.slots.get_mut(self.used) {
             *slot = found;
             self.used += 1;
@@ -109,7 +108,7 @@ impl<'a> Pool<'a> {
         }
     }
 
-    /// Replaces the pool's matches by those that lie apart and returns the answer so far.
+    /// Selects the matches that are separated.
     pub(super) fn select(&mut self, map: &SiteMap<'_>, scored: u32, exhaustive: bool) -> Answer {
         Answer::select(self.slots.get_mut(..self.used).unwrap_or_default(), map, scored, exhaustive)
     }

@@ -1,10 +1,14 @@
-//! The exact search: bound everything, score what could win.
+//! The exhaustive search: branch and bound over candidates.
 //!
-//! The correlation of a query with a candidate is split into harmonics 1..=32, phases kept, and the
-//! rest. The low part is evaluated at 64 headings by one short transform; between two of them it can
-//! rise by at most half the squared half-gap times its largest second derivative, which the norms of the
-//! derivatives bound; the rest is at most the product of the two residual norms (Cauchy-Schwarz, per channel).
-//! A candidate whose bound lies below the best score found so far cannot win.
+//! The correlation of a query with a candidate is split into the harmonics 1..=32 and the rest. The low part is evaluated
+//! at 64 headings by one short transform. Between two of them it exceeds the larger sample by at most half the squared half
+//! spacing times its largest second derivative, which the norms of the derivatives bound. The rest is at most the product
+//! of the two residual norms (Cauchy-Schwarz, per channel). A candidate whose bound is below the best score found so far is
+//! rejected.
+#![expect(
+    clippy::indexing_slicing,
+    reason = "channels, lanes, points and places are below the lengths of their arrays; the linker test of panics shows that no check remains"
+)]
 
 use super::answer::{Answer, Match, Pool};
 use super::index::{Group, Index, Rest, spectrum};
@@ -16,22 +20,22 @@ use crate::base::scan::Scan;
 use crate::descriptor::harmonics::{HARMONICS, Pair};
 use crate::descriptor::signature::Signature;
 use crate::descriptor::similarity::{Candidate, Peak, Query, Similarity};
-use crate::descriptor::{CHANNELS, Descriptor};
+use crate::descriptor::{BINS_I64, CHANNELS, Descriptor};
 use crate::map::site_map::SiteMap;
 
-/// Candidates of the highest bounds: they provide the alternatives.
+/// Number of candidates of the highest bounds, from which alternatives are selected.
 const SEEDS: usize = 64;
-/// Of these, candidates that set the first threshold.
+/// Number of these that are scored first, to set the threshold.
 const PROBES: usize = 8;
-/// The query's harmonics are scaled to at most this norm.
+/// Upper bound of the norm of the scaled harmonics of the query.
 const QUERY_NORM: u64 = 1 << 14;
-/// Products are shifted down by this many bits on their way to 16.
+/// Right shift of products from 32 to 16 bits.
 const PRODUCT_SHIFT: u32 = 17;
-/// What a value of the low part may be off by, in its LSB: 45 for rounding 32 products, the
-/// transform's own, and 24 for rounded coefficients, tables and the largest norms they can have.
+/// Error bound of a sample of the low part, LSB: 45 for the rounding of 32 products, that of the transform, and 24 for
+/// rounded coefficients and tables at the largest norms.
 const LOW_ERROR: i64 = 45 + TRANSFORM_ERROR as i64 + 24;
 
-/// Workspace of the exact search: about 60 KiB.
+/// Workspace of [`exhaustive`]: about 60 KiB.
 #[derive(Debug)]
 pub struct Exact {
     low: LowQuery,
@@ -65,15 +69,16 @@ impl Default for Exact {
     }
 }
 
-/// The low harmonics of a query and what bounds the rest.
+/// The low harmonics of a query and the bounds of the rest.
 #[derive(Debug, Clone)]
 struct LowQuery {
-    /// Weighted harmonics: `[channel][k][re, im]`, in all lanes.
+    /// Weighted harmonics `[channel][k][re, im]`, repeated in all lanes.
     splat: [[[Lane; 2]; HARMONICS]; CHANNELS],
-    /// They were scaled by 2^-exponent.
+    /// The harmonics are scaled by 2^-exponent.
     exponent: i32,
-    /// Weight times residual norm and weight times slope norm, Q10.
+    /// Weight times residual norm, Q10.
     residual: [i64; CHANNELS],
+    /// Weight times norm of the derivative, Q10.
     slope: [i64; CHANNELS],
     /// Weight times sum, for the plain cosine; 0 for the centred one.
     offset: [i64; CHANNELS],
@@ -83,18 +88,28 @@ struct LowQuery {
     similarity: Similarity,
 }
 
-/// Finds what scoring every candidate at every heading would find: nothing that is left out could have
-/// won. Alternatives are the best peaks of the 64 candidates of the highest bounds.
+/// Finds the best match over all candidates and headings. Alternatives are the best local maxima of the 64 candidates of
+/// the highest bounds.
 ///
-/// `bounds` needs a place per candidate, `pool` some 400 places for the matches to choose from. With
-/// `signature`, candidates farther from it than the distance beside it are left out. `None` when `bounds` is
-/// too short or the index is another map's.
+/// `bounds` needs one element per candidate; about 400 elements suffice for `pool`, from which the matches are selected.
+/// With `signature`, candidates whose signature is farther from it than the given distance are rejected, and
+/// [`Answer::exhaustive`] is false. Returns `None` if `bounds` is too short or the index has another number of candidates
+/// than the map.
 ///
-/// For a masked query nothing is bounded, because a candidate's norm depends on the heading: every candidate is
-/// scored at every heading.
+/// A masked query has no bounds, because the norm of a candidate depends on the heading: every candidate is then scored at
+/// every heading.
+///
+/// # Accuracy
+/// The best match and its score equal those of scoring everything (`tests/tests/properties.rs`,
+/// `the_exact_search_finds_what_scoring_everything_finds`).
 ///
 /// # Cost
-/// A bound per candidate, and a few scored at all headings: all of them at worst, and for a masked query.
+/// One bound per candidate by a 64-point transform, shared by 64 candidates; then exact scores of the candidates whose
+/// bound reaches the best score: all of them in the worst case, and for a masked query. Cortex-M7: `exact` in
+/// `targets/budget.txt`.
+///
+/// # References
+/// The score is that of the paper; the bounds are not part of it.
 pub fn exhaustive(
     index: &Index<'_>,
     map: &SiteMap<'_>,
@@ -136,9 +151,9 @@ struct Search<'s, 'm> {
     work: &'s mut Exact,
     pool: Pool<'s>,
     scored: u32,
-    /// Bounds hold and nothing was left out.
+    /// Whether no candidate was rejected by its signature.
     whole: bool,
-    /// The best score so far.
+    /// Bits of the best score so far.
     best: i32,
 }
 
@@ -169,8 +184,8 @@ impl Search<'_, '_> {
         self.pool.select(self.map, self.scored, self.whole)
     }
 
-    /// Offers the local peaks of a candidate: those near the top of its low part, or all that reach
-    /// `floor`; of a masked query all.
+    /// Inserts local maxima of a candidate into the pool: those near the maxima of the low part, or all that reach `floor`;
+    /// for a masked query all.
     fn score(&mut self, candidate: u32, floor: Option<i32>) {
         let (number, place) = (candidate as usize / super::GROUP, candidate as usize % super::GROUP);
         let Some(group) = self.index.as_groups().get(number) else { return };
@@ -192,24 +207,25 @@ impl Search<'_, '_> {
         self.work.scores = [None; BINS];
         self.scored += 1;
         for shift in (0..BINS).filter(|&s| near[nearest_point(s)]) {
-            self.offer_if_peak(candidate, shift, floor.unwrap_or(i32::MIN));
+            self.insert_if_peak(candidate, shift, floor.unwrap_or(i32::MIN));
         }
     }
 
-    fn offer_if_peak(&mut self, candidate: u32, shift: usize, floor: i32) {
+    #[expect(clippy::cast_possible_truncation, reason = "shifts are below 360")]
+    fn insert_if_peak(&mut self, candidate: u32, shift: usize, floor: i32) {
         let here = self.at(shift);
         let [before, after] = circle::beside(shift);
         let (before, after) = (self.at(before), self.at(after));
-        // A plateau counts once, by its first shift; a constant by shift 0.
+        // Of a plateau its first shift counts, of constant scores shift 0.
         if here < floor || here < after || here < before || (here == before && shift != 0) {
             return;
         }
         self.best = self.best.max(here);
         let peak = Peak { shift: shift as u16, score_bits: here };
-        self.pool.offer(Match { candidate, peak });
+        self.pool.insert_if_better(Match { candidate, peak });
     }
 
-    /// The exact score at a shift, computed once.
+    /// The exact score at a shift, cached.
     fn at(&mut self, shift: usize) -> i32 {
         let Exact { scores, candidate, .. } = &mut *self.work;
         let query = self.query;
@@ -224,7 +240,7 @@ const fn nearest_point(shift: usize) -> usize {
     (shift * POINTS + BINS / 2) / BINS % POINTS
 }
 
-/// The four highest local maxima of a curve and their neighbours.
+/// Marks the four highest local maxima of a curve and their neighbours.
 fn highest(curve: &[i64; POINTS]) -> [bool; POINTS] {
     let mut peaks = [(i64::MIN, 0); 4];
     for (m, &here) in curve.iter().enumerate() {
@@ -247,7 +263,7 @@ fn highest(curve: &[i64; POINTS]) -> [bool; POINTS] {
 }
 
 impl Exact {
-    /// An upper bound of the score of each candidate of a group, as score bits.
+    /// Upper bounds of the scores of the candidates of a group, as bits of [`Score`].
     fn bound(&mut self, group: &Group, bounds: &mut [i32]) {
         self.products(group);
         lanes::inverse(&mut self.re, &mut self.im);
@@ -265,10 +281,10 @@ impl Exact {
         }
     }
 
-    /// The spectra of two candidates per lane, one in the real, one in the imaginary part of the
-    /// correlation, in bit-reversed order.
+    /// The cross spectra of a group in bit-reversed order. A lane holds two candidates, whose correlations become the real
+    /// and the imaginary part.
     fn products(&mut self, group: &Group) {
-        // Harmonic 0 stays zero: means are no part of this.
+        // Harmonic 0 stays zero: the low part excludes the means.
         (self.re, self.im) = ([[0; LANES]; POINTS], [[0; LANES]; POINTS]);
         let reversed = |k: usize| k.reverse_bits() >> (usize::BITS - POINTS.ilog2());
         for k in 0..HARMONICS {
@@ -298,7 +314,7 @@ impl LowQuery {
         similarity: Similarity::Centred,
     };
 
-    /// Of a query that is certain: a masked one has no bounds.
+    /// Prepares a query without a mask.
     fn set(&mut self, query: &Query) {
         self.similarity = query.similarity();
         self.norm = query.squared_norm().isqrt().max(1);
@@ -322,9 +338,10 @@ impl LowQuery {
         self.scale(&weighted);
     }
 
+    #[expect(clippy::cast_possible_truncation, reason = "the norm of the scaled parts is at most 2^14")]
     fn scale(&mut self, weighted: &[[Pair<i64>; HARMONICS]; CHANNELS]) {
         let parts = weighted.as_flattened().as_flattened();
-        // Weighted parts stay below 2^40: shifted down by 12, 320 squares stay below 2^65 / 2.
+        // Shifted right by 12, the sum of the squares is below 2^61 (Parseval).
         let norm = |down: u32| {
             parts.iter().map(|v| ((v.unsigned_abs() >> down) + 1).pow(2)).sum::<u64>().isqrt() + 1
         };
@@ -344,7 +361,7 @@ impl LowQuery {
         }
     }
 
-    /// conj(query) candidate, summed over the channels, for one harmonic and half of a group.
+    /// conj(query) x candidate, summed over the channels, for one harmonic and half of a group.
     fn product(&self, group: &Group, k: usize, half: usize) -> [Lane; 2] {
         let (mut re, mut im) = ([0_i32; LANES], [0_i32; LANES]);
         for (query, group) in self.splat.iter().zip(&group.coefficients) {
@@ -364,8 +381,8 @@ impl LowQuery {
         out
     }
 
-    /// What the harmonics above the 32nd and the gaps between samples can add to a correlation (weighted,
-    /// centred, Q20).
+    /// Upper bound of the part of a correlation (weighted, centred, Q20) above the samples of the low part: harmonics above
+    /// the 32nd, and the rise between samples.
     fn rest(&self, group: &Group, place: usize) -> i64 {
         // (pi / 64)^2 / 2 in Q18, rounded up, and 8 for the unit of the candidates' slopes.
         const CURVATURE: i64 = 316 * 8;
@@ -375,22 +392,26 @@ impl LowQuery {
         over(&self.residual, &group.residual) + ((over(&self.slope, &group.slope) * CURVATURE) >> 18) + 1
     }
 
-    /// Binary exponent of the unit of products in that of correlations.
+    /// Binary exponent of the unit of products relative to that of correlations.
     fn exponent(&self, group: &Group, place: usize) -> i32 {
         self.exponent - i32::from(group.shift[place % super::GROUP]) - 20
     }
 
-    /// The bound of a candidate whose low part is at most `low`, in units of the products, as score bits.
+    /// The bound, as bits of [`Score`], of a candidate whose low part is at most `low`, in units of the products.
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "norms are shifted to 31 bits, bounds clamped to +-2^30"
+    )]
     fn upper(&self, group: &Group, place: usize, low: i64) -> i32 {
         let exponent = self.exponent(group, place);
         let low = if exponent >= 0 { low << exponent } else { (low >> -exponent) + 1 };
         let Sizes { norms, offset } = self.sizes(group, place);
         if norms == 0 {
-            // A candidate without contrast in what counts scores 0.
+            // A norm of 0 gives a score of 0.
             return 0;
         }
         let numerator = (low + self.rest(group, place)) * self.factor() + offset;
-        // Numerators stay below 2^50. A denominator of 31 bits, rounded down, makes the bound larger.
+        // Numerators are below 2^50. A denominator of 31 bits is rounded down, which increases the bound.
         let down = (u64::BITS - norms.leading_zeros()).saturating_sub(31);
         let denominator = i64::from((norms >> down) as u32).max(1);
         let up = 30 - down.cast_signed();
@@ -400,6 +421,10 @@ impl LowQuery {
     }
 
     /// The low part, in units of the products, from which on a candidate can reach a score.
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "a product of norms below 2^63 and of a score of at most 1"
+    )]
     fn reach(&self, group: &Group, place: usize, floor: i32) -> i64 {
         let Sizes { norms, offset } = self.sizes(group, place);
         let product = (i128::from(norms) * i128::from(floor)) >> 30;
@@ -408,15 +433,15 @@ impl LowQuery {
         if exponent >= 0 { (correlation >> exponent) - 1 } else { (correlation << -exponent) - 1 }
     }
 
-    /// What a correlation is multiplied by in the numerator of the cosine.
+    /// Factor of a correlation in the numerator of the cosine.
     const fn factor(&self) -> i64 {
         match self.similarity {
             Similarity::Plain => 1,
-            Similarity::Centred => BINS as i64,
+            Similarity::Centred => BINS_I64,
         }
     }
 
-    /// The product of the norms, rounded down, and what the means add to the numerator, rounded up.
+    /// The product of the norms, rounded down, and the part of the means in the numerator, rounded up.
     fn sizes(&self, group: &Group, place: usize) -> Sizes {
         let (mut norm, mut offset) = (0_i64, 0_i64);
         for (channel, weight) in self.weights.iter().enumerate() {
@@ -426,16 +451,15 @@ impl LowQuery {
             norm += weight
                 * match self.similarity {
                     Similarity::Plain => square,
-                    Similarity::Centred => BINS as i64 * square - sum * sum,
+                    Similarity::Centred => BINS_I64 * square - sum * sum,
                 };
             offset += self.offset[channel] * sum;
         }
-        let offset = if offset == 0 { 0 } else { offset / BINS as i64 + 1 };
+        let offset = if offset == 0 { 0 } else { offset / BINS_I64 + 1 };
         Sizes { norms: self.norm * norm.unsigned_abs().isqrt(), offset }
     }
 
-    /// The low part of one candidate at each of the 64 headings, in units of the products and with its
-    /// numerical error added.
+    /// Upper bound of the low part of a candidate at each of the 64 headings, in units of the products.
     fn curve(&self, group: &Group, place: usize) -> [i64; POINTS] {
         let (half, lane) = (place / LANES, place % LANES);
         let mut products = [[0_i64; 2]; HARMONICS];
@@ -457,7 +481,7 @@ impl LowQuery {
     }
 }
 
-/// What turns a correlation into a cosine.
+/// The terms that convert a correlation to a cosine.
 struct Sizes {
     norms: u64,
     offset: i64,

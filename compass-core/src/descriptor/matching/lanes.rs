@@ -1,20 +1,24 @@
-//! A 64-point inverse transform of 32 signals side by side in 16-bit lanes.
+//! A 64-point inverse FFT of 32 signals in parallel, in 16-bit lanes.
 //!
-//! The loops run over whole lanes and every factor sits in a lane array, so that compilers turn them
-//! into 16-bit vector instructions; on a core without them they are plain loops, with the same bits.
+//! The inner loops run over all lanes, and each factor is repeated in a lane array, so that compilers generate 16-bit
+//! vector instructions. Cores without them run plain loops, with the same bits.
+#![expect(
+    clippy::indexing_slicing,
+    reason = "lanes and points are below the lengths of their arrays; the linker test of panics shows that no check remains"
+)]
 
 use crate::base::num::{degree_cosine, degree_sine};
 
-/// Signals side by side.
+/// Number of signals in parallel.
 pub(super) const LANES: usize = 32;
-/// Points of the transform.
+/// Number of points of the transform.
 pub(super) const POINTS: usize = 64;
 
 /// One value of every signal.
 pub(super) type Lane = [i16; LANES];
 
-/// What [`inverse`] may be off by in a part: two exact stages, then four that add at most 3.9 LSB to
-/// twice what they got: 3.9 x (8 + 4 + 2 + 1).
+/// Error bound of a part of [`inverse`], LSB: two exact stages, then four that double the error and add at most 3.9 LSB:
+/// 3.9 x (8 + 4 + 2 + 1).
 pub(super) const TRANSFORM_ERROR: i32 = 59;
 
 /// cos and sin of 2 pi k / 64 in Q15, by k in 0..32, in all lanes.
@@ -41,8 +45,9 @@ pub(super) static TURNS: [[i16; 2]; POINTS] = {
 };
 
 /// cos and sin of 2 pi k / 64 in Q15, 1.0 as 2^15 - 1.
+#[expect(clippy::cast_possible_wrap, reason = "eighths of a degree below 8")]
 const fn turn(k: usize) -> [i16; 2] {
-    // 5.625 degrees are no whole number of them: interpolate by the angle sum, exact to 2^-28.
+    // Multiples of 5.625 degrees, from the table of whole degrees by angle addition: exact to 2^-28.
     let eighths = k * 45;
     let (whole, rest) = (eighths / 8, eighths % 8);
     let (cos, sin) = (degree_cosine(whole) as i64, degree_sine(whole) as i64);
@@ -56,12 +61,13 @@ const fn turn(k: usize) -> [i16; 2] {
     [q15(turned_cos), q15(turned_sin)]
 }
 
+#[expect(clippy::cast_possible_truncation, reason = "at most 2^15 in magnitude, saturated")]
 const fn q15(q30: i64) -> i16 {
     let rounded = (q30 + (1 << 14)) >> 15;
     if rounded > i16::MAX as i64 { i16::MAX } else { rounded as i16 }
 }
 
-/// Transforms in place, bit-reversed order in, natural order out, unscaled:
+/// Transforms in place, from bit-reversed to natural order, without scaling:
 /// `out[m] = sum_k in[bitrev(k)] exp(+2 pi i k m / 64)`.
 ///
 /// The sum of moduli of each signal must stay below 2^15.
@@ -82,7 +88,7 @@ pub(super) fn inverse(re: &mut [Lane; POINTS], im: &mut [Lane; POINTS]) {
     }
 }
 
-/// The stages of half 1 and 2: factors 1 and i, so sums alone.
+/// The stages of half length 1 and 2: factors 1 and i, so that no product is needed.
 fn first_stages(re: &mut [Lane; POINTS], im: &mut [Lane; POINTS]) {
     let (re, im) = (re.as_chunks_mut::<4>().0, im.as_chunks_mut::<4>().0);
     for ([r0, r1, r2, r3], [i0, i1, i2, i3]) in re.iter_mut().zip(im) {

@@ -1,14 +1,12 @@
-//! Search over candidates and headings.
+//! Search over candidates and headings by the score of [`similarity`](crate::descriptor::similarity).
 //!
-//! Two ways to the same score ([`crate::descriptor::similarity`]):
+//! - [`exhaustive`] uses an [`Index`] (701 bytes of RAM per candidate). The first 32 harmonics of a candidate bound its
+//!   score from above; candidates whose bound reaches the best score so far are scored exactly (branch and bound). The
+//!   best match is that of scoring all candidates at all headings.
+//! - [`shortlist`] reads the map alone. It ranks candidates by their sketches and scores the best exactly. The best match
+//!   can be missed if its sketch ranks low.
 //!
-//! - [`exhaustive`] on an [`Index`] (701 bytes of RAM per candidate): every candidate is bounded from
-//!   above by its first 32 harmonics, and only what could still win is scored exactly. The answer is
-//!   the one that scoring everything would give.
-//! - [`shortlist`] straight from the map in flash: candidates are ranked by their sketches and the
-//!   best are scored exactly. The answer may miss what its sketch hides.
-//!
-//! Both can leave out candidates beforehand whose transition signature is far from the query's.
+//! Both can first reject candidates by the distance of their transition signature from that of the query.
 
 mod answer;
 mod exact;

@@ -1,16 +1,23 @@
-//! Leaving out candidates whose transition signature is far from the query's.
+//! Rejection of candidates by the distance of their transition signature.
 
 use crate::descriptor::signature::Signature;
 use crate::map::site_map::SiteMap;
 
-/// Distances are counted in steps of this.
+/// Bin width of the histogram of distances.
 const STEP: usize = 16;
-/// Steps up to the largest distance of two signatures, 16 x 255.
+/// Number of bins, up to the largest distance of two signatures: 16 x 255.
 const STEPS: usize = 16 * 255 / STEP + 1;
 
-/// The signature distance that keeps the `keep` nearest candidates; candidates above it may be left
-/// out. It is a multiple of 16 less one, so some more may be kept. One pass over the map, 16 bytes a candidate.
+/// The largest signature distance of the `keep` candidates nearest to the query, for [`shortlist`](super::shortlist()) and
+/// [`exhaustive`](super::exhaustive()).
+///
+/// # Formats
+/// Rounded up to a multiple of 16 less one, so that more than `keep` candidates can lie within it. `keep` of 0 counts as 1.
+///
+/// # Cost
+/// One pass over the map, reading 16 bytes per candidate.
 #[must_use]
+#[expect(clippy::cast_possible_truncation, reason = "at most 16 * 257 - 1")]
 pub fn nearest_signatures(map: &SiteMap<'_>, query: &Signature, keep: usize) -> u16 {
     let mut counts = [0_u32; STEPS];
     for record in map.iter() {

@@ -1,4 +1,4 @@
-//! The search of a board: sketches rank, the best are scored exactly.
+//! The approximate search: sketches rank the candidates, the best are scored exactly.
 
 use super::answer::{Answer, Match, Pool};
 use crate::base::circle::Circle;
@@ -11,10 +11,10 @@ use crate::descriptor::sketch::{Sketch, SketchQuery};
 use crate::descriptor::spectrum::Correlator;
 use crate::map::site_map::{Record, SiteMap};
 
-/// Headings of one candidate that can become alternatives.
+/// Largest number of headings per candidate in the pool.
 const PEAKS: usize = 4;
 
-/// What the board's search works with: about 50 KiB, made for a static.
+/// Workspace of [`shortlist`]: about 50 KiB, suited for a static.
 #[derive(Debug)]
 pub struct Board {
     correlator: Correlator,
@@ -37,8 +37,11 @@ impl Board {
         }
     }
 
-    /// All scores of one candidate, each within [`SCORE_ERROR`](crate::descriptor::similarity::SCORE_ERROR) (exact for a masked query); the query must have
-    /// been [loaded](Board::load).
+    /// The scores of a candidate at 360 heading shifts. The query must have been [loaded](Board::load). For an index that
+    /// does not exist, the former scores remain.
+    ///
+    /// # Accuracy
+    /// [`SCORE_ERROR`](crate::descriptor::similarity::SCORE_ERROR); exact for a masked query.
     pub fn scores(&mut self, query: &Query, map: &SiteMap<'_>, index: usize) -> &[Score; BINS] {
         if let Some(record) = map.get(index) {
             record.scan(&mut self.scan);
@@ -49,17 +52,18 @@ impl Board {
         &self.scores
     }
 
-    /// Loads a query.
+    /// Loads the spectra of a query.
     pub fn load(&mut self, query: &Query) {
         query.load(&mut self.correlator);
     }
 
-    /// Offers the highest local peaks of one candidate, scored exactly.
-    fn offer_peaks(&mut self, query: &Query, map: &SiteMap<'_>, index: usize, pool: &mut Pool<'_>) {
+    /// Inserts the highest local maxima of a candidate, scored exactly, into the pool.
+    #[expect(clippy::cast_possible_truncation, reason = "indices of candidates have 32 bits")]
+    fn insert_peaks(&mut self, query: &Query, map: &SiteMap<'_>, index: usize, pool: &mut Pool<'_>) {
         let _ = self.scores(query, map, index);
         for shift in local_peaks(&self.scores) {
             let score_bits = query.score(&self.candidate, usize::from(shift)).to_bits();
-            pool.offer(Match { candidate: index as u32, peak: Peak { shift, score_bits } });
+            pool.insert_if_better(Match { candidate: index as u32, peak: Peak { shift, score_bits } });
         }
     }
 }
@@ -70,7 +74,8 @@ impl Default for Board {
     }
 }
 
-/// The highest local maxima around the circle, best first.
+/// The highest local maxima around the circle, at most [`PEAKS`], in no order.
+#[expect(clippy::cast_possible_truncation, reason = "shifts are below 360")]
 pub(super) fn local_peaks(scores: &[Score; BINS]) -> impl Iterator<Item = u16> {
     let scores = Circle::of(scores);
     let mut best = [(Score::MIN, 0_u16); PEAKS];
@@ -85,7 +90,7 @@ pub(super) fn local_peaks(scores: &[Score; BINS]) -> impl Iterator<Item = u16> {
             *worst = (here, shift as u16);
         }
     }
-    // A constant has no local maximum.
+    // Constant scores have no local maximum.
     if best.iter().all(|b| b.0 == Score::MIN) {
         best[0] = (scores.get(0), 0);
     }
@@ -94,12 +99,18 @@ pub(super) fn local_peaks(scores: &[Score; BINS]) -> impl Iterator<Item = u16> {
 
 /// Ranks all candidates by their sketches and scores the best `ranked.len()` exactly.
 ///
-/// `ranked` holds the shortlist (48 is plenty), `pool` the matches to choose alternatives from (four
-/// per place of the shortlist). With `signature`, candidates farther from it than the distance beside it are
-/// left out ([`super::nearest_signatures`]).
+/// `ranked` is the shortlist (48 entries suffice), `pool` the matches from which alternatives are selected (four per entry
+/// of the shortlist). With `signature`, candidates whose signature is farther from it than the given distance are rejected:
+/// see [`nearest_signatures`](super::nearest_signatures()).
+///
+/// # Accuracy
+/// Scores of the result are exact ([`Query::score`]). A match is missed if its sketch ranks below the shortlist;
+/// [`Answer::exhaustive`] is true only if the shortlist holds all candidates.
 ///
 /// # Cost
-/// A sketch compared per candidate, and `ranked.len()` candidates scored at all headings.
+/// One [`SketchQuery::rank`] per candidate, and `ranked.len()` candidates scored at all headings. Cortex-M7: `localize` in
+/// `targets/budget.txt`.
+#[expect(clippy::cast_possible_truncation, reason = "the number of candidates of a map has 32 bits")]
 pub fn shortlist(
     map: &SiteMap<'_>,
     query: &Query,
@@ -120,12 +131,12 @@ pub fn shortlist(
     board.load(query);
     let mut pool = Pool::new(pool);
     for &(_, index) in ranked.iter().take(used) {
-        board.offer_peaks(query, map, index as usize, &mut pool);
+        board.insert_peaks(query, map, index as usize, &mut pool);
     }
     pool.select(map, used as u32, used == map.len())
 }
 
-/// Collects the candidates of highest rank, best first; returns how many.
+/// Collects the candidates of highest rank, best first; returns their number.
 pub(super) fn top_candidates(
     ranked: &mut [(i32, u32)],
     candidates: impl Iterator<Item = (i32, u32)>,

@@ -1,11 +1,9 @@
-//! Descriptors as matching reads them: 16-bit values with 10 fractional bits.
+//! Descriptors in the precision of matching: 16-bit values with 10 fractional bits.
 
 use crate::base::num::BINS;
 use crate::descriptor::{CHANNELS, Descriptor};
 
-/// A descriptor rounded to 2^-10, so that 360 products of two values fit 32 bits.
-///
-/// 360 x 1.5^2 x 2^20 < 2^30.
+/// A descriptor rounded to 2^-10. The sum of 360 products of two values fits 32 bits: 360 x 1.5^2 x 2^20 < 2^30.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Profile {
     /// `values[channel][bin]` in units of 2^-10, 0..=1536.
@@ -16,7 +14,7 @@ impl Profile {
     /// All zero.
     pub const ZERO: Self = Self { values: [[0; BINS]; CHANNELS] };
 
-    /// Takes the values of a descriptor, rounded to the nearest.
+    /// Sets the values of a descriptor, rounded to the nearest.
     pub fn fill(&mut self, descriptor: &Descriptor) {
         for (values, levels) in self.values.iter_mut().zip(&descriptor.levels) {
             for (value, level) in values.iter_mut().zip(levels) {
@@ -41,7 +39,7 @@ impl From<&Descriptor> for Profile {
     }
 }
 
-/// A profile together with its sums per channel.
+/// A candidate prepared for scoring: its profile, and sums per channel.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Candidate {
     pub(super) profile: Profile,
@@ -50,10 +48,10 @@ pub struct Candidate {
 }
 
 impl Candidate {
-    /// An empty candidate, to be filled.
+    /// All zero, to be filled.
     pub const ZERO: Self = Self { profile: Profile::ZERO, sums: [0; CHANNELS], squares: [0; CHANNELS] };
 
-    /// Takes the values of a descriptor.
+    /// Sets the values of a descriptor.
     pub fn fill(&mut self, descriptor: &Descriptor) {
         self.profile.fill(descriptor);
         for ((values, sum), square) in self.profile.values.iter().zip(&mut self.sums).zip(&mut self.squares) {
@@ -62,7 +60,7 @@ impl Candidate {
         }
     }
 
-    /// The values.
+    /// The profile.
     #[must_use]
     pub const fn profile(&self) -> &Profile {
         &self.profile

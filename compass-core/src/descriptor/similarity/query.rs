@@ -1,4 +1,4 @@
-//! A query descriptor prepared for scoring many candidates.
+//! A query prepared for scoring many candidates.
 
 use super::cosine::{Normalizer, cosine};
 use super::profile::{Candidate, Profile};
@@ -7,15 +7,15 @@ use crate::base::confidence::Confidence;
 use crate::base::num::{BINS, Score};
 use crate::descriptor::harmonics::dot;
 use crate::descriptor::spectrum::{Correlator, Extent};
-use crate::descriptor::{CHANNELS, Descriptor};
+use crate::descriptor::{BINS_I32, BINS_I64, CHANNELS, Descriptor};
 
-/// The best shift of a candidate.
+/// A heading shift of a candidate and its score.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Peak {
-    /// Degrees by which the query's heading is ahead of the candidate's, 0..360.
+    /// Heading of the query relative to that of the candidate, degrees counter-clockwise, 0..360.
     pub shift: u16,
-    /// Bits of the [`Score`] there (2^30 is 1.0).
+    /// Bits of the [`Score`] at this shift (2^30 is 1.0).
     pub score_bits: i32,
 }
 
@@ -27,17 +27,28 @@ impl Peak {
     }
 }
 
-/// Values repeated once, so that every shift is one contiguous slice.
+/// Values of two turns, so that every shift is a contiguous slice.
 type Doubled<T> = [T; 2 * BINS];
 
 /// A query descriptor with weights, confidence and the kind of cosine: 9 KiB.
+///
+/// # Formats
+/// Values are rounded to 2^-10; weights are 8-bit integers, confidence is in sixteenths. Numerators and norms are exact
+/// integers.
+///
+/// # Accuracy
+/// Scores are within 2^-29 of the cosine of the rounded values, and within
+/// [`SCORE_ERROR`](super::SCORE_ERROR) of that of the real-valued descriptors.
+///
+/// # References
+/// The plain cosine over 360 heading shifts is the score of the paper.
 #[derive(Debug, Clone)]
 pub struct Query {
     similarity: Similarity,
     weights: Weights,
-    /// m q; m is 1 for all bins of a certain query.
+    /// m q; m is 1 for a query without mask.
     values: [Doubled<i16>; CHANNELS],
-    /// m, for a query that is not certain.
+    /// m in sixteenths, for a masked query.
     mask: Option<Doubled<i16>>,
     /// M: the sum of m.
     total: i64,
@@ -47,7 +58,7 @@ pub struct Query {
 }
 
 impl Query {
-    /// A query that matches nothing: a place to [`Query::set`] one.
+    /// A query whose scores are 0, to be filled by [`Query::set`].
     pub const EMPTY: Self = Self {
         similarity: Similarity::Centred,
         weights: Weights::EQUAL,
@@ -59,6 +70,12 @@ impl Query {
     };
 
     /// Prepares a query.
+    ///
+    /// If every bin is certain, the query has no mask and is scored by FFT; otherwise each bin is weighted by its confidence
+    /// and scores are summed directly.
+    ///
+    /// # Cost
+    /// Linear in the 5 x 360 values.
     pub fn set(
         &mut self,
         descriptor: &Descriptor,
@@ -88,7 +105,7 @@ impl Query {
         self.norm = self.norm_of(&self.sums, &squares);
     }
 
-    /// The weights.
+    /// Weights of the channels.
     #[must_use]
     pub const fn weights(&self) -> Weights {
         self.weights
@@ -100,13 +117,13 @@ impl Query {
         self.similarity
     }
 
-    /// Whether some bins are less than certain.
+    /// Whether the confidence of any bin is below [`Confidence::FULL`].
     #[must_use]
     pub const fn is_masked(&self) -> bool {
         self.mask.is_some()
     }
 
-    /// The squared norm of the query in the integers of [`Query::parts`].
+    /// Squared norm of the query, in the unit of [`Query::parts`].
     #[must_use]
     pub const fn squared_norm(&self) -> u64 {
         self.norm
@@ -123,25 +140,32 @@ impl Query {
         self.values.get(channel).and_then(|v| v.get(..BINS)).unwrap_or_default()
     }
 
-    /// The query's value at a bin without its mean, times its confidence, in units of 2^-10: what a
-    /// correlation of the centred cosine sees.
+    /// Value of the query without the mean of the channel, times its confidence, in units of 2^-10: the operand of the
+    /// correlation of the centred cosine.
+    #[expect(clippy::cast_possible_truncation, reason = "at most 1536 in magnitude")]
     pub(crate) fn balanced(&self, channel: usize, bin: usize) -> i16 {
         let (value, sum) = (i64::from(pick(self.channel(channel), bin)), pick(&self.sums, channel));
         let mask = self.mask.as_ref().map_or(1, |m| i64::from(pick(m, bin)));
         let full = if self.is_masked() { i64::from(Confidence::FULL) } else { 1 };
-        // m (q - mean), the mean over trusted bins; at most 1536 in magnitude.
+        // m (q - mean), the mean weighted by confidence; at most 1536 in magnitude.
         let centred = value * self.total - mask * sum;
         centred.checked_div(self.total * full).unwrap_or(0) as i16
     }
 
-    /// The exact score of a candidate at one shift (taken modulo 360).
+    /// The score of a candidate at one heading shift in degrees, modulo 360.
+    ///
+    /// # Accuracy
+    /// Within 2^-29 of the cosine of the rounded values (test `cosine_is_within_2_pow_minus_29`).
+    ///
+    /// # Cost
+    /// 5 dot products of 360 bins, or 15 for a masked query; channels of weight 0 are skipped.
     #[must_use]
     pub fn score(&self, candidate: &Candidate, shift: usize) -> Score {
         let (numerator, norm) = self.parts(candidate, shift);
         cosine(numerator, self.norm, norm)
     }
 
-    /// The numerator and the candidate's squared norm at one shift, exact.
+    /// Numerator and squared norm of the candidate at one heading shift, exact.
     #[must_use]
     pub fn parts(&self, candidate: &Candidate, shift: usize) -> (i64, u64) {
         let start = (BINS - shift % BINS) % BINS;
@@ -156,7 +180,7 @@ impl Query {
         (numerator, self.norm_of(&sums, &squares))
     }
 
-    /// The squared norm of a side from its sums and sums of squares.
+    /// Squared norm from sums and sums of squares.
     fn norm_of(&self, sums: &[i64; CHANNELS], squares: &[i64; CHANNELS]) -> u64 {
         self.weigh(|c| self.spread(pick(squares, c), pick(sums, c).pow(2))).unsigned_abs()
     }
@@ -180,10 +204,16 @@ impl Query {
         (sums, squares)
     }
 
-    /// The exact numerators of all shifts from one correlation, then of those near the top again in
-    /// exact integers: the best shift and its exact score. Of equal shifts the smallest wins.
+    /// The best heading shift and its score; of equal ones the smallest shift.
     ///
-    /// `correlator` must hold this query ([`Query::load`]); a masked query is summed directly.
+    /// All shifts are correlated by FFT; those within the error bound of the maximum are then scored exactly. A masked query
+    /// is scored exactly at all shifts. `correlator` must hold this query: see [`Query::load`].
+    ///
+    /// # Accuracy
+    /// That of [`Query::score`].
+    ///
+    /// # Cost
+    /// One [`Correlator::correlate`], and [`Query::score`] at the shifts near the maximum; for a masked query at 360 shifts.
     #[must_use]
     pub fn peak(&self, candidate: &Candidate, correlator: &mut Correlator) -> Peak {
         if self.is_masked() {
@@ -200,8 +230,15 @@ impl Query {
         self.best_of(candidate, near)
     }
 
-    /// All 360 scores by one correlation, each within [`SCORE_ERROR`](super::SCORE_ERROR) of the exact one; a masked query is summed
-    /// directly and exactly.
+    /// The scores at all 360 heading shifts, by one correlation; for a masked query by direct sums. `correlator` must hold
+    /// this query: see [`Query::load`].
+    ///
+    /// # Accuracy
+    /// Within [`SCORE_ERROR`](super::SCORE_ERROR) of [`Query::score`]; equal to it for a masked query.
+    ///
+    /// # Cost
+    /// One [`Correlator::correlate`]; for a masked query 360 times [`Query::score`]. Cortex-M7: `rank` in
+    /// `targets/budget.txt` for the matching of a query.
     pub fn scores(&self, candidate: &Candidate, correlator: &mut Correlator, out: &mut [Score; BINS]) {
         if self.is_masked() {
             for (shift, score) in out.iter_mut().enumerate() {
@@ -217,7 +254,7 @@ impl Query {
         );
         let (sums, squares) = self.moments(candidate, 0);
         let norm = self.norm_of(&sums, &squares);
-        // Centred values carry a factor M on both sides, the parts only one.
+        // Centred values have a factor M on both sides, the parts only one.
         let factor = if self.similarity == Similarity::Centred { self.total.unsigned_abs() } else { 1 };
         let norm = norm * factor;
         let normalizer = Normalizer::new(self.norm * factor, norm, exponent);
@@ -226,7 +263,8 @@ impl Query {
         }
     }
 
-    /// Loads this query's weighted channels into a correlator.
+    /// Loads the weighted channels of this query into a correlator.
+    #[expect(clippy::cast_possible_truncation, reason = "weights are below 2^8 and values below 2^20")]
     pub fn load(&self, correlator: &mut Correlator) {
         correlator.set_query(CHANNELS, |c, bin| {
             let value = self.centred(i64::from(pick(self.channel(c), bin)), pick(&self.sums, c));
@@ -234,21 +272,21 @@ impl Query {
         });
     }
 
-    /// How large the values of a candidate can be.
+    /// Magnitude and norm of the values of a candidate.
     fn other_extent(&self, candidate: &Candidate) -> Extent {
         let energy = |(&sum, &square): (&i32, &i32)| {
             let (sum, square) = (i64::from(sum), i64::from(square));
             match self.similarity {
                 Similarity::Plain => square,
                 // sum (360 v - S)^2 = 360 (360 sum v^2 - S^2)
-                Similarity::Centred => BINS as i64 * (BINS as i64 * square - sum * sum),
+                Similarity::Centred => BINS_I64 * (BINS_I64 * square - sum * sum),
             }
         };
         let total: i64 = candidate.sums.iter().zip(&candidate.squares).map(energy).sum();
         // Values are at most 1536, centred ones 360 times that.
         let largest = match self.similarity {
             Similarity::Plain => 1536,
-            Similarity::Centred => 1536 * BINS as u32,
+            Similarity::Centred => 1536 * BINS_I32.unsigned_abs(),
         };
         Extent { largest, norm: total.unsigned_abs().isqrt() + 1 }
     }
@@ -258,7 +296,7 @@ impl Query {
         match self.similarity {
             Similarity::Plain => value,
             // Below 2^20 in magnitude.
-            Similarity::Centred => BINS as i32 * value - pick(&candidate.sums, channel),
+            Similarity::Centred => BINS_I32 * value - pick(&candidate.sums, channel),
         }
     }
 
@@ -266,10 +304,11 @@ impl Query {
     fn centred(&self, value: i64, sum: i64) -> i64 {
         match self.similarity {
             Similarity::Plain => value,
-            Similarity::Centred => BINS as i64 * value - sum,
+            Similarity::Centred => BINS_I64 * value - sum,
         }
     }
 
+    #[expect(clippy::cast_possible_truncation, reason = "shifts are below 360")]
     fn best_of(&self, candidate: &Candidate, shifts: impl Iterator<Item = usize>) -> Peak {
         let mut best: Option<Peak> = None;
         for shift in shifts {
@@ -289,7 +328,7 @@ impl Query {
         }
     }
 
-    /// A value for each channel that counts, 0 for the others.
+    /// A value per channel, 0 for channels of weight 0.
     fn of_channels(&self, value: impl Fn(usize) -> i64) -> [i64; CHANNELS] {
         core::array::from_fn(|c| if pick(&self.weights.0, c) == 0 { 0 } else { value(c) })
     }
@@ -300,7 +339,7 @@ impl Query {
     }
 }
 
-/// What one correlation may be off by, in its own LSB.
+/// Error bound of a correlation, LSB.
 const CORRELATION_ERROR: i32 = 16;
 
 fn doubled(value: impl Fn(usize) -> i16) -> Doubled<i16> {

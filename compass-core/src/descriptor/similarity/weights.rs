@@ -1,14 +1,14 @@
-//! Which similarity, and what each channel counts in it.
+//! The kind of cosine and the weights of the channels.
 
 use crate::descriptor::channels::CHANNELS;
 
-/// Which cosine.
+/// The kind of cosine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Similarity {
-    /// The paper's: the cosine of the descriptors as they are.
+    /// The cosine of the descriptors themselves: the score of the paper.
     Plain,
-    /// The cosine after each channel's mean is removed.
+    /// The cosine after subtraction of the mean of each channel.
     #[default]
     Centred,
 }
@@ -19,11 +19,11 @@ pub enum Similarity {
 pub struct Weights(pub [u8; CHANNELS]);
 
 impl Weights {
-    /// All channels alike, as in the paper.
+    /// Equal weights, as in the paper.
     pub const EQUAL: Self = Self([16; CHANNELS]);
-    /// Hit type alone.
+    /// Hit type only.
     pub const HIT_TYPE: Self = Self([0, 16, 0, 0, 0]);
-    /// Range alone.
+    /// Range only.
     pub const RANGE: Self = Self([16, 0, 0, 0, 0]);
 }
 

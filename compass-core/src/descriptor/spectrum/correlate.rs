@@ -1,38 +1,41 @@
-//! Circular cross-correlation of 360 bins, summed over channels, through 1024-point transforms.
+//! Circular cross-correlation of 360 bins, summed over channels, by 1024-point transforms.
 //!
 //! `c[s] = sum_ch sum_i query[ch][i] * other[ch][(i + s) mod 360]`, s in 0..360.
 //!
-//! 360 is no power of two: the query is continued periodically over the indices -359..360 and the
-//! other side padded with zeros, so that 1024 points hold every shift without aliasing. Two real
-//! channels travel as one complex signal: the real part of the product's inverse transform is the sum
-//! of both correlations, so nothing has to be untangled.
+//! 360 is not a power of two: the query is extended periodically over the indices -359..360 and the other side padded
+//! with zeros, so that 1024 points hold every shift without aliasing. Two real channels form one complex signal: the real
+//! part of the inverse transform of the product is the sum of both correlations, so that the channels are not separated.
 
 use super::fft::{Complex, forward, forward_padded, inverse};
 use crate::base::num::BINS;
 
-/// Points of the transforms.
+/// Number of points of the transforms.
 pub const CORRELATION_POINTS: usize = 1024;
 
-/// Channels that one correlator can sum: three complex signals of two.
+/// Largest number of channels: three complex signals of two channels.
 const MAX_CHANNELS: usize = 6;
+/// Number of complex signals.
 const PAIRS: usize = MAX_CHANNELS / 2;
 type Signal = [Complex; CORRELATION_POINTS];
 
-/// Values are scaled up to this magnitude before a transform: two parts stay below 2^30 in modulus.
+/// Values are scaled to at most 2^29 before a transform, so that the modulus of two parts is below 2^30.
 const FULL_SCALE_BITS: u32 = 29;
 
-/// A query's spectra and the workspace to correlate others with it: 40 KiB, made for a static.
+/// Cross-correlation with a query: its spectra and the workspace, 40 KiB, suited for a static.
 ///
 /// # Formats
-/// Values of any magnitude up to 2^29; block-scaled to 2^29, so that small signals keep their
-/// precision. Spectra are scaled up by what their norms allow (no value exceeds the norm), and only the
-/// high words of their products are kept: the result has about 18 significant bits at a perfect match.
+/// Values up to 2^29 in magnitude, block-scaled to 2^29. Spectra are shifted left as far as their norms allow (no value
+/// exceeds the norm), and the high words of their products are summed: about 18 significant bits at a perfect match.
 ///
 /// # Accuracy
-/// Results are within 16 LSB and within 2^-12 of the product of the two norms (tested).
+/// Within 2^-12 of the product of the two norms (test `agrees_with_the_direct_sum`).
 ///
 /// # Cost
-/// For five channels three transforms and one inverse.
+/// Per correlation of c channels, c / 2 (rounded up) transforms and one inverse transform of 1024 points. Cortex-M7:
+/// `correlate` in `targets/budget.txt`.
+///
+/// # References
+/// Cross-correlation theorem; the extension to 1024 points is that of a circular convolution by a longer FFT.
 #[derive(Debug, Clone)]
 pub struct Correlator {
     query: [Signal; PAIRS],
@@ -42,24 +45,24 @@ pub struct Correlator {
     scale: Scale,
 }
 
-/// How large the values of one side are.
+/// Magnitude and norm of the values of one side.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Extent {
-    /// No value exceeds this in magnitude; at most 2^29.
+    /// Upper bound of the magnitude of the values, at most 2^29.
     pub largest: u32,
-    /// No less than the root of the sum of squares.
+    /// Upper bound of the norm of the values.
     pub norm: u64,
 }
 
 impl Extent {
-    /// Measures values.
+    /// The extent of `value(channel, bin)` over `channels` channels.
     pub fn of(channels: usize, value: impl Fn(usize, usize) -> i32) -> Self {
         let magnitudes = || {
             let bins = |channel: usize| (0..BINS).map(move |bin| (channel, bin));
             (0..channels.min(MAX_CHANNELS)).flat_map(bins).map(|(c, j)| value(c, j).unsigned_abs())
         };
         let largest = magnitudes().max().unwrap_or(0);
-        // 21 bits a value: 2160 squares stay below 2^54.
+        // 21 bits per value: the sum of 2160 squares is below 2^54.
         let down = (u32::BITS - largest.leading_zeros()).saturating_sub(20);
         let energy: u64 = magnitudes().map(|v| u64::from((v >> down) + u32::from(down > 0)).pow(2)).sum();
         Self { largest, norm: (energy.isqrt() + 1) << down }
@@ -69,14 +72,14 @@ impl Extent {
 /// The block scaling of one side.
 #[derive(Debug, Clone, Copy)]
 struct Scale {
-    /// Values were shifted left by this many bits.
+    /// Left shift of the values.
     shift: u32,
-    /// Spectra can be shifted left by this many bits more.
+    /// Left shift of the spectra.
     headroom: u32,
 }
 
 impl Correlator {
-    /// A correlator without a query: every correlation is zero.
+    /// A correlator without a query: all correlations are 0.
     #[must_use]
     pub const fn new() -> Self {
         let empty = [Complex::ZERO; CORRELATION_POINTS];
@@ -89,11 +92,17 @@ impl Correlator {
         }
     }
 
-    /// Takes a query of up to six channels; `value(channel, bin)` must stay within +-2^29.
+    /// Sets a query of up to six channels.
+    ///
+    /// # Formats
+    /// `value(channel, bin)` within +-2^29.
+    ///
+    /// # Cost
+    /// One transform of 1024 points per two channels.
     pub fn set_query(&mut self, channels: usize, value: impl Fn(usize, usize) -> i32) {
         self.channels = channels.min(MAX_CHANNELS);
         let extent = Extent::of(self.channels, &value);
-        // The periodic continuation holds every sample at most twice: the norm grows by less than 3/2.
+        // The periodic extension holds every sample at most twice: the norm grows by a factor below 3/2.
         let norm = extent.norm + extent.norm / 2 + 1;
         self.scale = Scale::new(Extent { norm, ..extent }, 31);
         for (pair, signal) in self.query.iter_mut().enumerate().take(self.channels.div_ceil(2)) {
@@ -112,9 +121,10 @@ impl Correlator {
         }
     }
 
-    /// Correlates the query with another set of as many channels, whose values keep within `extent`.
+    /// Correlates the query with the same number of channels of another side, whose values are within `extent`.
     ///
-    /// `out[s] * 2^exponent`, with the exponent returned, is `c[s]`.
+    /// Returns the binary exponent of the results: `c[s] = out[s] * 2^exponent` is the sum over channels and bins of
+    /// `query[bin] * value[bin + s]`.
     pub fn correlate(
         &mut self,
         extent: Extent,
@@ -128,7 +138,7 @@ impl Correlator {
         for (pair, query) in self.query.iter().enumerate().take(self.channels.div_ceil(2)) {
             let (first, rest) = self.other.split_at_mut(BINS);
             load(first, pair, self.channels, scale.shift, &value);
-            // The padded transform does not look at the second half.
+            // The padded transform does not read the second half.
             if let Some(gap) = rest.get_mut(..CORRELATION_POINTS / 2 - BINS) {
                 gap.fill(Complex::ZERO);
             }
@@ -144,7 +154,7 @@ impl Correlator {
         for (result, point) in out.iter_mut().zip(backwards) {
             *result = point.re;
         }
-        // Transforms divide by 1024 each and the high word by 2^32; the inverse gives one 1024 back.
+        // Both forward transforms divide by 1024 and the high word by 2^32; the 1/1024 of the inverse is part of `c`.
         20 + 32 - self.scale.bits() - scale.bits()
     }
 }
@@ -156,17 +166,17 @@ impl Default for Correlator {
 }
 
 impl Scale {
-    /// The spectrum may take `room` bits: 31 for one side and 30 for the other keep the products'
-    /// high words within 2^29.
-    fn new(extent: Extent, room: u32) -> Self {
-        // No value exceeds the norm either.
+    /// Scales the spectrum to `width` bits: 31 for one side and 30 for the other bound the high words of the products by
+    /// 2^29.
+    fn new(extent: Extent, width: u32) -> Self {
+        // No value exceeds the norm.
         let norm = extent.norm;
         let largest = u64::from(extent.largest).min(norm).max(1);
         let bits = u64::BITS - largest.leading_zeros();
         let shift = FULL_SCALE_BITS.saturating_sub(bits);
-        // The spectrum's norm is that of the samples / 32: no part exceeds it.
+        // The norm of the spectrum is that of the samples / 32, and bounds every part.
         let spectrum = ((norm << shift) >> 5) + 64;
-        let headroom = spectrum.leading_zeros().saturating_sub(u64::BITS - room);
+        let headroom = spectrum.leading_zeros().saturating_sub(u64::BITS - width);
         Self { shift, headroom }
     }
 
@@ -175,7 +185,7 @@ impl Scale {
     }
 }
 
-/// Writes channels 2 pair and 2 pair + 1 as real and imaginary parts.
+/// Writes the channels 2 `pair` and 2 `pair` + 1 as real and imaginary parts.
 fn load(
     signal: &mut [Complex],
     pair: usize,
@@ -190,7 +200,7 @@ fn load(
     }
 }
 
-/// sum += conj(other) * query * 2^headroom / 2^32; the first time what was in `sum` is forgotten.
+/// sum += conj(other) * query * 2^headroom / 2^32; with `FIRST` the former sum is 0.
 fn accumulate<const FIRST: bool>(sum: &mut Signal, query: &Signal, other: &Signal, headroom: u32) {
     let high = |a: i32, b: i32| ((i64::from(a) * i64::from(b)) >> 32) as i32;
     for (sum, (q, o)) in sum.iter_mut().zip(query.iter().zip(other)) {

@@ -1,4 +1,4 @@
-//! Spectra in fixed point: a radix-2 FFT and circular correlation of 360 bins through it.
+//! Fixed-point spectra: radix-2 FFT, and circular cross-correlation of 360 bins by FFT.
 
 mod correlate;
 mod fft;

@@ -1,4 +1,4 @@
-//! Step 1: the lens's image and the rows that may hold windows.
+//! Step 1: the image circle of the lens, and the band of rows that can contain windows.
 
 use super::edges::Edge;
 use super::parameters::{BLACK, Parameters};
@@ -6,38 +6,39 @@ use super::sample::{BINS, percentile};
 use crate::base::raster::GrayImage;
 use crate::vision::segments::Segment;
 
-/// Rows and columns of the lens's image have at least one pixel of scene in as many.
+/// Smallest share of scene pixels in a row or column of the image circle: one in 8.
 const LIT_SHARE: u32 = 8;
-/// Highest score of a row's density and, half of it, of its brightness.
+/// Largest score of the density of a row; that of its brightness is half of it.
 const DENSITY_SCALE: i64 = 1024;
-/// Scores to a bin of their histogram: 1536 take 62 bins.
+/// Bin width of the histogram of scores, whose maximum 1536 is in bin 61.
 const BIN: u16 = 25;
-/// The scores are averaged over one row in as many of the image, to either side.
+/// Half width of the moving average of scores: height of the image / 50.
 const BLUR_SHARE: usize = 50;
 
-/// What is known of a row of the image.
+/// Statistics of a row of the image.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Row {
-    /// Summed length of the upright segments across the row, 1/16 px; at first, its change from the row above.
+    /// Sum of the lengths of the upright segments across the row, 1/16 px; at first, its difference to the row above.
     density: i64,
-    /// Mean of the row's scene, 1/16 levels; later, the row's score.
+    /// Mean of the scene pixels of the row, 1/16 gray level; later, the score of the row.
     brightness: u16,
-    /// The score averaged over rows.
+    /// Moving average of the score.
     score: u16,
 }
 
-/// Where the lens's image lies, in pixels.
+/// The bounding box of the image circle, pixels.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Lens {
-    /// First row and one past the last, as for the columns.
+    /// First row and one past the last.
     pub(super) rows: (u16, u16),
+    /// First column and one past the last.
     pub(super) columns: (u16, u16),
-    /// Whether the image fills its rectangle, not a circle.
+    /// Whether the scene fills the bounding box, not a circle.
     full: bool,
 }
 
 impl Lens {
-    /// Whether column `x`, row `y` lies within `percent` percent of the radius; anywhere without a circle.
+    /// Whether a pixel is within `percent` percent of the radius; always true without a circle.
     pub(super) fn contains(&self, x: i64, y: i64, percent: u8) -> bool {
         let ((top, bottom), (left, right)) = (self.rows, self.columns);
         let twice = |low: u16, high: u16| i64::from(low) + i64::from(high);
@@ -48,7 +49,8 @@ impl Lens {
     }
 }
 
-/// Finds the lens's image, and the mean brightness of every row.
+/// Finds the image circle and the mean brightness of every row.
+#[expect(clippy::cast_possible_truncation, reason = "means of 8-bit levels in 1/16, and columns below 2^16")]
 pub(super) fn lens(image: &GrayImage<'_>, rows: &mut [Row], columns: &mut [u16]) -> Lens {
     columns.fill(0);
     let mut lit = 0_u64;
@@ -78,9 +80,9 @@ pub(super) fn lens(image: &GrayImage<'_>, rows: &mut [Row], columns: &mut [u16])
 
 /// The band: first row and one past the last.
 ///
-/// A row's score is the density of upright segments, weighted by their lengths, and half as much its mean
-/// brightness, each as a share of the frame's range. Of the runs of rows above a percentile of the scores the
-/// one with the highest sum is the band.
+/// The score of a row is the density of upright segments, weighted by their lengths, plus half its mean brightness, each
+/// relative to the range of the frame. The band is the run of rows above a percentile of the scores with the largest sum.
+#[expect(clippy::cast_possible_truncation, reason = "rows are below 2^16")]
 pub(super) fn find(
     lens: &Lens,
     segments: &[Segment],
@@ -114,7 +116,8 @@ pub(super) fn find(
     ((top + start) as u16, (top + end) as u16)
 }
 
-/// Puts a score of at most 1536 in place of every row's brightness.
+/// Replaces the brightness of every row by its score, at most 1536.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "scores are 0 to 1536")]
 fn score(rows: &mut [Row]) {
     let most = rows.iter().map(|r| r.density).max().unwrap_or(0).max(1);
     let low = rows.iter().map(|r| r.brightness).min().unwrap_or(0);
@@ -126,7 +129,11 @@ fn score(rows: &mut [Row]) {
     }
 }
 
-/// Averages the scores over `reach` rows to either side, as far as there are.
+/// Moving average of the scores over `reach` rows to either side, shortened at the ends.
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "means of scores, which are at most 1536, over fewer than 2^16 rows"
+)]
 fn average(rows: &mut [Row], reach: usize) {
     let at = |rows: &[Row], y: usize| rows.get(y).map_or(0, |r| u32::from(r.brightness));
     let mut sum: u32 = (0..reach).map(|y| at(rows, y)).sum();
@@ -143,7 +150,7 @@ fn average(rows: &mut [Row], reach: usize) {
     }
 }
 
-/// The run of rows at or above the percentile that has the highest sum of scores.
+/// The run of rows at or above the percentile with the largest sum of scores.
 fn best_run(rows: &[Row], percent: u8) -> (usize, usize) {
     let bin = |row: &Row| usize::from(row.score / BIN);
     let mut bins = [0_u32; BINS];
@@ -160,7 +167,7 @@ fn best_run(rows: &[Row], percent: u8) -> (usize, usize) {
             (start, sum) = (y + 1, 0);
             continue;
         }
-        // A row without any score counts too.
+        // 1 is added so that rows of score 0 count.
         sum += u64::from(row.score) + 1;
         if sum > best_sum {
             (best, best_sum) = ((start, y + 1), sum);

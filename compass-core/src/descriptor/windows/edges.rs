@@ -1,13 +1,13 @@
-//! Step 2 and 3: upright segments of the band, clustered to edges.
+//! Step 2: upright segments of the band, clustered to edges.
 
 use super::parameters::Parameters;
 use crate::base::order;
 use crate::vision::segments::Segment;
 
-/// Largest coordinate of a segment that is looked at, px.
+/// Largest coordinate of a segment that is considered, px.
 const FARTHEST: f32 = 65_534.0;
 
-/// An upright edge of one or more segments.
+/// An upright edge: a cluster of segments.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Edge {
@@ -17,12 +17,17 @@ pub struct Edge {
     pub y0: u16,
     /// One past the last row.
     pub y1: u16,
-    /// Summed length of the segments, 1/16 px.
+    /// Sum of the lengths of the segments, 1/16 px.
     pub length: u32,
 }
 
 impl Edge {
-    /// A segment as an edge, if it is upright and long enough.
+    /// The edge of a segment; `None` if it is not upright or too short.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "coordinates are 0 to 2^20 in 1/16 px, rows below 2^16"
+    )]
     pub(super) fn upright(segment: &Segment, parameters: &Parameters) -> Option<Self> {
         let ends = [segment.x1, segment.y1, segment.x2, segment.y2];
         if !ends.iter().all(|v| (-0.5..=FARTHEST).contains(v)) {
@@ -40,18 +45,19 @@ impl Edge {
         Some(Self { x: x1.midpoint(x2), y0: row(y1.min(y2)), y1: row(y1.max(y2)) + 1, length })
     }
 
-    /// Rows from the first to past the last.
+    /// Number of rows.
     pub(super) fn height(&self) -> u16 {
         self.y1.saturating_sub(self.y0)
     }
 
-    /// Rows it has in common with another: the first and one past the last, if any.
+    /// Rows in common with another edge: the first, and one past the last.
     pub(super) fn shared(&self, other: &Self) -> Option<(u16, u16)> {
         let (y0, y1) = (self.y0.max(other.y0), self.y1.min(other.y1));
         (y0 < y1).then_some((y0, y1))
     }
 
-    /// Takes up a segment.
+    /// Adds a segment to the cluster.
+    #[expect(clippy::cast_possible_truncation, reason = "a mean of 32-bit columns, and a saturated length")]
     fn merge(&mut self, other: &Self) {
         let weigh = |edge: &Self| u64::from(edge.x) * u64::from(edge.length);
         let total = u64::from(self.length) + u64::from(other.length);
@@ -61,10 +67,10 @@ impl Edge {
     }
 }
 
-/// Writes the edges from left to right and returns their number, and whether there was too little room.
+/// Writes the edges from left to right; returns their number, and whether the buffer was too small.
 ///
-/// A segment belongs to the band if its middle does, and to an edge if it is no farther along x than the gap
-/// and shares rows with it.
+/// A segment belongs to the band if its middle does. It belongs to an edge if their distance along x is at most the gap and
+/// they share rows.
 pub(super) fn cluster(
     segments: &[Segment],
     band: (u16, u16),

@@ -1,16 +1,14 @@
-//! The paper's window finder (paper: window detection), in pixels of the fisheye image as it is.
+//! The paper's window finder (paper: window detection), in pixels of the unrectified fisheye image. Needs the feature
+//! `paper-windows`.
 //!
-//! 1. band: the rows that are bright and dense in upright segments;
-//! 2. edges: upright segments of the band, clustered along x;
-//! 3. proposals: pairs of edges, checked for brightness, contrast to the wall beside them and texture;
-//! 4. suppression: proposals at the rim or dominated by red go, then those a better one overlaps.
+//! 1. Band: the rows that are bright and dense in upright segments.
+//! 2. Edges: upright segments of the band, clustered along x.
+//! 3. Proposals: pairs of edges, tested for brightness, contrast to the adjacent wall, and texture.
+//! 4. Suppression: rejection of proposals at the rim or dominated by red, then non-maximum suppression.
 //!
-//! The image's own columns serve as verticals, so up and down do not matter, and a lens or pose that tilts
-//! windows loses them. Every threshold on brightness is relative to the frame. Lengths are stated for an image
-//! 1472 pixels wide ([`REFERENCE_WIDTH`]) and scaled to the width of the image.
-//!
-//! All integer. One pass over the pixels; a proposal is sampled at no more than 24 x 24 points of itself
-//! and of either strip of wall beside it.
+//! The columns of the image are taken as vertical. The result does not depend on which side is up, and windows that lens or
+//! pose tilt are missed. Brightness thresholds are relative to the frame. Lengths are stated for an image
+//! [`REFERENCE_WIDTH`] = 1472 pixels wide and scaled to the width of the image. All arithmetic is in integers.
 
 mod band;
 mod edges;
@@ -28,43 +26,42 @@ pub use edges::Edge;
 pub use parameters::{BLACK, Parameters, REFERENCE_WIDTH};
 pub use proposal::{ImageWindow, Proposal, Rejection};
 
-/// Memory lent to the finder; what it holds before does not matter.
+/// Memory lent to the finder. Its former contents do not matter.
 #[derive(Debug)]
 pub struct Workspace<'a> {
-    /// As many elements as the image has rows.
+    /// One element per row of the image.
     pub rows: &'a mut [Row],
-    /// As many elements as the image has columns.
+    /// One element per column of the image.
     pub columns: &'a mut [u16],
-    /// One element per upright segment of the band; afterwards the edges, from left to right.
+    /// One element per upright segment of the band. Holds the edges afterwards, from left to right.
     pub edges: &'a mut [Edge],
-    /// The proposals; afterwards first those bright, contrasted and textured enough, then as many of the others
-    /// as fit. For pictures of what was considered.
+    /// Holds the proposals afterwards: first those that passed the tests of brightness, contrast and texture, then as many
+    /// of the others as fit, for debug images.
     pub proposals: &'a mut [Proposal],
 }
 
-/// What was found.
+/// Counts of a result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Found {
     /// Number of windows written.
     pub count: usize,
-    /// Whether a buffer overflowed: more could have been found. Proposals rejected by the first three checks
-    /// do not count.
+    /// Whether a buffer was full, so that windows can be missing. Proposals rejected by the first three tests do not count.
     pub truncated: bool,
-    /// First row of the band and one past the last.
+    /// Rows of the band: the first, and one past the last.
     pub band: (u16, u16),
-    /// Number of edges left in [`Workspace::edges`].
+    /// Number of edges in [`Workspace::edges`].
     pub edges: usize,
-    /// Number of proposals left in [`Workspace::proposals`].
+    /// Number of proposals in [`Workspace::proposals`].
     pub proposals: usize,
 }
 
-/// Why nothing was looked for.
+/// Errors of [`find`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum PaperError {
-    /// The colour image is not of the gray image's size.
+    /// Colour image and gray image differ in size.
     Colour,
     /// [`Workspace::rows`] or [`Workspace::columns`] is too short.
     Workspace,
@@ -81,12 +78,22 @@ impl fmt::Display for PaperError {
 
 impl core::error::Error for PaperError {}
 
-/// Finds windows, at most as many as `windows` holds, by falling score.
+/// Finds at most `windows.len()` windows, by descending score.
 ///
-/// `segments` are those of the image, in its pixels. Without `colour` nothing is rejected as red.
+/// `segments` are those of the image, in its pixels. Without `colour` no proposal is rejected as red.
+///
+/// # Formats
+/// Windows are half-open boxes in whole pixels, column from the left, row from the top.
 ///
 /// # Errors
-/// [`PaperError`] for a colour image of another size, rows or columns too short.
+/// [`PaperError::Colour`] for a colour image of another size, [`PaperError::Workspace`] for too few rows or columns.
+///
+/// # Cost
+/// One pass over the pixels; quadratic in the edges within the largest width. A proposal is sampled at no more than
+/// 24 x 24 points, as is each strip of wall beside it.
+///
+/// # References
+/// The paper's window detection.
 pub fn find(
     image: &GrayImage<'_>,
     colour: Option<&RgbImage<'_>>,

@@ -1,39 +1,39 @@
-//! What the finder looks for.
+//! Parameters of the finder.
 
-/// Width in pixels of the image for which lengths are stated.
+/// Width in pixels of the image that the lengths of [`Parameters`] refer to.
 pub const REFERENCE_WIDTH: u16 = 1472;
 
-/// Pixels up to this level are not scene but the black around the lens's image.
+/// Largest gray level of the black surround of the image circle.
 pub const BLACK: u8 = 12;
 
-/// What the finder looks for. Lengths in pixels of an image [`REFERENCE_WIDTH`] wide.
+/// Parameters of the finder. Lengths are in pixels of an image [`REFERENCE_WIDTH`] wide.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Parameters {
-    /// Percentile of the rows' scores above which a row may belong to the band.
+    /// Percentile of the scores of rows above which a row can belong to the band.
     pub band_percentile: u8,
-    /// Least slope |dy| / |dx| of an upright segment, 1/1024: by default the tangent of 30 degrees.
+    /// Smallest slope |dy| / |dx| of an upright segment, 1/1024. Default: tangent of 30 degrees.
     pub slope: u16,
-    /// Shortest segment.
+    /// Smallest length of a segment.
     pub min_length: u16,
-    /// Farthest that segments of one edge lie apart along x.
+    /// Largest distance along x of segments of one edge.
     pub gap: u16,
-    /// Narrowest window.
+    /// Smallest width of a window.
     pub min_width: u16,
-    /// Widest window.
+    /// Largest width of a window.
     pub max_width: u16,
-    /// Height the two edges of a window share, in percent of the shorter one.
+    /// Smallest common height of the two edges of a window, percent of the shorter edge.
     pub shared_percent: u8,
-    /// Percentile of the band's pixels above which the mean of a window lies.
+    /// Percentile of the gray levels of the band that the mean of a window must exceed.
     pub brightness_percentile: u8,
-    /// Narrowest strip of wall beside a window; otherwise a quarter of the window's width.
+    /// Smallest width of the strip of wall beside a window, which is else a quarter of the window.
     pub min_flank: u16,
-    /// By how much a window outshines the wall beside it, in percent of the wall's brightness.
+    /// Smallest brightness difference of a window and the wall beside it, percent of that of the wall.
     pub contrast_percent: u8,
-    /// Intersection over union in percent above which the worse of two proposals goes.
+    /// Intersection over union, percent, above which the worse of two proposals is suppressed.
     pub overlap_percent: u8,
-    /// Share of red pixels in percent above which a proposal goes.
+    /// Share of red pixels, percent, above which a proposal is rejected.
     pub red_percent: u8,
-    /// Radius in percent of the lens's image beyond which there are no windows.
+    /// Largest radius of a window, percent of that of the image circle.
     pub radius_percent: u8,
 }
 
@@ -58,7 +58,8 @@ impl Default for Parameters {
 }
 
 impl Parameters {
-    /// The same with lengths in pixels of an image of `width`, none below 1.
+    /// The parameters with lengths scaled to an image of this width, at least 1 pixel.
+    #[expect(clippy::cast_possible_truncation, reason = "clamped to 16 bits")]
     pub(super) fn scaled(self, width: u32) -> Self {
         let scale = |length: u16| {
             let length = u64::from(length) * u64::from(width) / u64::from(REFERENCE_WIDTH);

@@ -1,4 +1,4 @@
-//! A window in an image, and what may be one.
+//! Windows in an image, and proposals of windows.
 
 /// A window: columns `x0` to below `x1`, rows `y0` to below `y1`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -12,35 +12,35 @@ pub struct ImageWindow {
     pub x1: u16,
     /// One past the lowest row.
     pub y1: u16,
-    /// Gray levels of contrast and of texture, and up to 64 for edges seen along the whole height.
+    /// Score: contrast and texture in gray levels, plus the support of the edges, up to 64.
     pub score: i16,
 }
 
-/// Why a proposal is not a window.
+/// Reason of the rejection of a proposal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum Rejection {
-    /// Not brighter than most of the band.
+    /// The mean is not above the brightness percentile of the band.
     Dark,
-    /// Hardly brighter than the wall beside it.
+    /// The contrast to the wall beside it is too low.
     LowContrast,
-    /// As even as a wall.
+    /// The texture does not exceed that of a wall.
     Texture,
-    /// At the rim of the lens's image or at the border.
+    /// At the rim of the image circle or at the border of the image.
     Periphery,
     /// Dominated by red: people in safety gear.
     Red,
-    /// A better proposal overlaps it.
+    /// Overlapped by a better proposal.
     Suppressed,
 }
 
-/// A pair of edges that may be a window.
+/// A pair of edges that can be a window.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Proposal {
-    /// Where; its score is 0 if rejected before it was scored.
+    /// The box; its score is 0 if it was rejected before scoring.
     pub window: ImageWindow,
-    /// Why it is no window; none: it is one.
+    /// Reason of the rejection; `None` for a window.
     pub rejection: Option<Rejection>,
 }

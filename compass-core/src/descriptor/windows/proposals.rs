@@ -1,4 +1,4 @@
-//! Step 4: pairs of edges, checked for brightness, contrast to the wall beside them and texture.
+//! Step 3: pairs of edges, tested for brightness, contrast to the adjacent wall, and texture.
 
 use super::band::Lens;
 use super::edges::Edge;
@@ -7,24 +7,25 @@ use super::proposal::{ImageWindow, Proposal, Rejection};
 use super::sample::{Area, BINS, Samples, percentile, pixel, rows_around};
 use crate::base::raster::GrayImage;
 
-/// Rows and columns of the band are sampled for its levels at no more than about as many places.
+/// Approximate number of rows and of columns of the band that are sampled for its levels.
 const PLACES: usize = 256;
-/// Gray levels to a bin of the brightness histogram.
+/// Bin width of the brightness histogram, gray levels.
 const LEVELS_PER_BIN: u8 = 4;
-/// Score of two edges seen along the whole height.
+/// Score of two edges that support the whole height.
 const SUPPORT: u32 = 64;
 
-/// Levels of the frame, in 1/16 levels.
+/// Thresholds of the frame, in 1/16 gray level.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Levels {
-    /// Brightness above which a window lies.
+    /// Brightness that a window must exceed.
     bright: u32,
-    /// Median texture, to a whole level.
+    /// Median texture, in whole gray levels.
     texture: u32,
 }
 
 impl Levels {
-    /// Takes them from the scene in the band.
+    /// The thresholds of the scene pixels in the band.
+    #[expect(clippy::cast_possible_truncation, reason = "gradients are counted in 64 bins")]
     pub(super) fn new(image: &GrayImage<'_>, lens: &Lens, band: (u16, u16), parameters: &Parameters) -> Self {
         let mut brightness = [0_u32; BINS];
         let mut texture = [0_u32; BINS];
@@ -51,13 +52,13 @@ impl Levels {
     }
 }
 
-/// The proposals: first those that passed, then rejected ones as far as there is room.
+/// The proposals: first those that passed, then as many rejected ones as fit.
 #[derive(Debug)]
 pub(super) struct List<'a> {
     proposals: &'a mut [Proposal],
     passed: usize,
     len: usize,
-    /// Whether one that passed found no room.
+    /// Whether a proposal that passed did not fit.
     truncated: bool,
 }
 
@@ -66,12 +67,12 @@ impl<'a> List<'a> {
         Self { proposals, passed: 0, len: 0, truncated: false }
     }
 
-    /// Those that passed.
+    /// The proposals that passed.
     pub(super) fn passed(&mut self) -> &mut [Proposal] {
         self.proposals.get_mut(..self.passed).unwrap_or(&mut [])
     }
 
-    /// Number of all, and whether one that passed found no room.
+    /// Number of all proposals, and whether one that passed did not fit.
     pub(super) fn end(&self) -> (usize, bool) {
         (self.len, self.truncated)
     }
@@ -89,7 +90,7 @@ impl<'a> List<'a> {
                 return;
             }
         }
-        // A rejected one, new or displaced.
+        // A rejected proposal, new or displaced.
         if let Some(slot) = self.proposals.get_mut(self.len) {
             *slot = proposal;
             self.len += 1;
@@ -97,8 +98,7 @@ impl<'a> List<'a> {
     }
 }
 
-/// Lists the pairs of edges, from left to right, that are neither too narrow nor too wide and share enough
-/// height. Edges come from left to right.
+/// Lists the pairs of edges whose width and common height are within the limits. Edges are sorted from left to right.
 pub(super) fn pair(
     image: &GrayImage<'_>,
     edges: &[Edge],
@@ -120,8 +120,12 @@ pub(super) fn pair(
     }
 }
 
-/// The box between two edges over the rows they share, its score the support by the edges, if they share
-/// enough.
+/// The box between two edges over their common rows, with the support of the edges as score; `None` if they share too
+/// little height.
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "columns and rows are bounded by the image, supports are at most 64"
+)]
 fn window(image: &GrayImage<'_>, left: &Edge, right: &Edge, parameters: &Parameters) -> Option<ImageWindow> {
     let (y0, y1) = left.shared(right)?;
     let y1 = u32::from(y1).min(image.height()) as u16;
@@ -137,7 +141,8 @@ fn window(image: &GrayImage<'_>, left: &Edge, right: &Edge, parameters: &Paramet
     (x0 < x1 && y0 < y1).then_some(ImageWindow { x0, y0, x1, y1, score: support as i16 })
 }
 
-/// Checks a box for brightness, contrast and texture, and completes its score.
+/// Tests a box for brightness, contrast and texture, and completes its score.
+#[expect(clippy::cast_possible_truncation, reason = "at most 255 + 510")]
 fn check(image: &GrayImage<'_>, window: ImageWindow, levels: &Levels, parameters: &Parameters) -> Proposal {
     let ImageWindow { x0, y0, x1, y1, score } = window;
     let reject = |reason| Proposal { window: ImageWindow { score: 0, ..window }, rejection: Some(reason) };
@@ -165,7 +170,7 @@ fn check(image: &GrayImage<'_>, window: ImageWindow, levels: &Levels, parameters
     Proposal { window: ImageWindow { score, ..window }, rejection: None }
 }
 
-/// Mean brightness and texture, in 1/16 levels, of the strips that are scene.
+/// Mean brightness and texture, in 1/16 gray level, of the strips that are mostly scene.
 fn mean_of_walls(image: &GrayImage<'_>, flanks: [Area; 2]) -> Option<(u32, u32)> {
     let [left, right] = flanks.map(|area| Samples::take(image, area));
     let of = |s: Samples| s.mostly_lit().then(|| (s.brightness_16(), s.texture_16()));

@@ -1,4 +1,4 @@
-//! Step 5: proposals at the rim and red ones go, then those that a better one overlaps.
+//! Step 4: rejection of proposals at the rim and of red ones, then non-maximum suppression.
 
 use super::band::Lens;
 use super::parameters::Parameters;
@@ -8,10 +8,10 @@ use crate::base::order;
 use crate::base::raster::{GrayImage, RgbImage, is_red};
 use core::cmp::Reverse;
 
-/// Pixels at the image's border that no window touches.
+/// Width of the border of the image that excludes windows, pixels.
 const BORDER: u16 = 2;
 
-/// Marks the proposals at the rim or dominated by red.
+/// Rejects proposals at the rim or dominated by red.
 pub(super) fn reject(
     image: &GrayImage<'_>,
     colour: Option<&RgbImage<'_>>,
@@ -29,7 +29,7 @@ pub(super) fn reject(
     }
 }
 
-/// Sorts the proposals by falling score and marks those that overlap one before them.
+/// Sorts the proposals by descending score and rejects those that overlap a better one.
 pub(super) fn suppress(parameters: &Parameters, proposals: &mut [Proposal]) {
     order::sort_by_key(proposals, |p| {
         let w = &p.window;
@@ -46,7 +46,7 @@ pub(super) fn suppress(parameters: &Parameters, proposals: &mut [Proposal]) {
     }
 }
 
-/// Whether the middle of the left or right side is beyond the radius, or the box touches the border.
+/// Whether the middle of the left or right side is outside the radius, or the box touches the border.
 fn at_rim(image: &GrayImage<'_>, lens: &Lens, window: &ImageWindow, percent: u8) -> bool {
     let &ImageWindow { x0, y0, x1, y1, .. } = window;
     let middle = i64::from(y0.midpoint(y1));
@@ -55,7 +55,7 @@ fn at_rim(image: &GrayImage<'_>, lens: &Lens, window: &ImageWindow, percent: u8)
     outside(x0) || outside(x1) || touches(x0, x1, image.width()) || touches(y0, y1, image.height())
 }
 
-/// Whether more than `percent` percent of a box's samples are red.
+/// Whether more than `percent` percent of the samples of a box are red.
 fn too_red(colour: &RgbImage<'_>, window: &ImageWindow, percent: u8) -> bool {
     let (mut red, mut points) = (0_u32, 0_u32);
     for y in grid(window.y0, window.y1) {
@@ -67,7 +67,7 @@ fn too_red(colour: &RgbImage<'_>, window: &ImageWindow, percent: u8) -> bool {
     100 * red > u32::from(percent) * points
 }
 
-/// Whether two boxes' intersection is above `percent` percent of their union.
+/// Whether intersection over union of two boxes is above `percent` percent.
 fn overlap(a: &ImageWindow, b: &ImageWindow, percent: u8) -> bool {
     let area = |w: &ImageWindow| u64::from(w.x1.saturating_sub(w.x0)) * u64::from(w.y1.saturating_sub(w.y0));
     let common = ImageWindow {

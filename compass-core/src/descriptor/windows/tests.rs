@@ -4,8 +4,8 @@ use proptest::prelude::*;
 use std::vec::Vec;
 
 /// Sizes of a workspace's edges, its proposals and the list of windows.
-type Room = (usize, usize, usize);
-const AMPLE: Room = (512, 2048, 64);
+type Capacity = (usize, usize, usize);
+const AMPLE: Capacity = (512, 2048, 64);
 
 struct Outcome {
     found: Found,
@@ -13,14 +13,19 @@ struct Outcome {
     proposals: Vec<Proposal>,
 }
 
-fn run(image: &GrayImage<'_>, colour: Option<&RgbImage<'_>>, segments: &[Segment], room: Room) -> Outcome {
-    // Left-overs of an earlier frame must not matter.
+fn run(
+    image: &GrayImage<'_>,
+    colour: Option<&RgbImage<'_>>,
+    segments: &[Segment],
+    capacity: Capacity,
+) -> Outcome {
+    // Former contents of the buffers must not matter.
     let junk = Edge { x: 9, y0: 1, y1: 900, length: 77 };
     let mut rows = std::vec![Row::default(); image.height() as usize];
     let mut columns = std::vec![7; image.width() as usize];
-    let mut edges = std::vec![junk; room.0];
-    let mut proposals = std::vec![Proposal::default(); room.1];
-    let mut windows = std::vec![ImageWindow::default(); room.2];
+    let mut edges = std::vec![junk; capacity.0];
+    let mut proposals = std::vec![Proposal::default(); capacity.1];
+    let mut windows = std::vec![ImageWindow::default(); capacity.2];
     let mut workspace =
         Workspace { rows: &mut rows, columns: &mut columns, edges: &mut edges, proposals: &mut proposals };
     let found = find(image, colour, segments, &Parameters::default(), &mut workspace, &mut windows).unwrap();
@@ -108,7 +113,7 @@ fn a_wall_with_three_windows() {
 }
 
 #[test]
-fn red_is_no_window() {
+fn red_boxes_are_rejected() {
     let (pixels, width, height) = scene(2);
     let image = GrayImage::new(&pixels, width, height).unwrap();
     // The middle window's box is a vest.
@@ -123,16 +128,16 @@ fn red_is_no_window() {
 }
 
 #[test]
-fn too_little_room_is_flagged() {
+fn full_buffers_are_reported() {
     let (pixels, width, height) = scene(2);
     let image = GrayImage::new(&pixels, width, height).unwrap();
     let segments = segments_of(&image);
-    for room in [(3, 2048, 64), (512, 2, 64), (512, 2048, 2), (0, 0, 0)] {
-        let outcome = run(&image, None, &segments, room);
-        assert!(outcome.found.truncated, "{room:?}");
-        assert!(outcome.windows.len() <= room.2);
+    for capacity in [(3, 2048, 64), (512, 2, 64), (512, 2048, 2), (0, 0, 0)] {
+        let outcome = run(&image, None, &segments, capacity);
+        assert!(outcome.found.truncated, "{capacity:?}");
+        assert!(outcome.windows.len() <= capacity.2);
     }
-    // Where rejected ones find no room, nothing is lost.
+    // Rejected proposals that do not fit change nothing.
     let all = run(&image, None, &segments, AMPLE);
     let passed = |p: &&Proposal| p.rejection.is_none_or(|r| r >= Rejection::Periphery);
     let needed = all.proposals.iter().filter(passed).count();
@@ -158,7 +163,7 @@ fn empty_and_noisy_images_do_not_panic() {
 }
 
 #[test]
-fn wrong_sizes_are_refused() {
+fn wrong_sizes_are_rejected() {
     let image = GrayImage::new(&[0; 12], 4, 3).unwrap();
     let colour = RgbImage::new(&[0; 36], 3, 4).unwrap();
     let (mut rows, mut columns) = ([Row::default(); 3], [0; 4]);
@@ -172,7 +177,7 @@ fn wrong_sizes_are_refused() {
 }
 
 #[test]
-fn only_upright_segments_of_some_length_count() {
+fn short_and_inclined_segments_are_ignored() {
     let defaults = Parameters::default();
     let upright = |x2: f32, y2: f32| {
         let segment = Segment { x1: 100.0, y1: 100.0, x2, y2, score: 0 };
@@ -185,7 +190,7 @@ fn only_upright_segments_of_some_length_count() {
 }
 
 #[test]
-fn the_better_of_two_that_overlap_stays() {
+fn the_worse_of_two_overlapping_proposals_is_suppressed() {
     let passed = |x0, x1, score| {
         let window = ImageWindow { x0, y0: 0, x1, y1: 10, score };
         Proposal { window, rejection: None }
@@ -227,18 +232,18 @@ fn any_segment() -> impl Strategy<Value = Segment> {
 
 proptest! {
     #[test]
-    fn proptest_whatever_the_input_windows_lie_in_the_image(
+    fn proptest_windows_lie_within_the_image(
         width in 1_u32..70,
         height in 1_u32..70,
         pixels in prop::collection::vec(any::<u8>(), 70 * 70 * 3),
         segments in prop::collection::vec(any_segment(), 0..60),
-        room in (0_usize..40, 0_usize..200, 0_usize..20),
+        capacity in (0_usize..40, 0_usize..200, 0_usize..20),
         odd in any::<[u16; 6]>(),
         percent in any::<[u8; 7]>(),
     ) {
         let image = GrayImage::new(&pixels, width, height).unwrap();
         let colour = RgbImage::new(&pixels, width, height).unwrap();
-        let outcome = run(&image, Some(&colour), &segments, room);
+        let outcome = run(&image, Some(&colour), &segments, capacity);
         for w in &outcome.windows {
             prop_assert!(w.x0 < w.x1 && u32::from(w.x1) <= width && w.y0 < w.y1 && u32::from(w.y1) <= height);
         }
@@ -249,9 +254,9 @@ proptest! {
             overlap_percent: percent[4], red_percent: percent[5], radius_percent: percent[6],
         };
         let (mut rows, mut columns) = ([Row::default(); 70], [0; 70]);
-        let mut edges = std::vec![Edge::default(); room.0];
-        let mut proposals = std::vec![Proposal::default(); room.1];
-        let mut windows = std::vec![ImageWindow::default(); room.2];
+        let mut edges = std::vec![Edge::default(); capacity.0];
+        let mut proposals = std::vec![Proposal::default(); capacity.1];
+        let mut windows = std::vec![ImageWindow::default(); capacity.2];
         let mut workspace = Workspace {
             rows: &mut rows, columns: &mut columns, edges: &mut edges, proposals: &mut proposals,
         };

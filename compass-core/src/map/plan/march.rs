@@ -1,26 +1,26 @@
-//! The ray march: exactly the sample points p + k step of the paper, empty space skipped.
+//! The ray march: the sample points p + k step of the paper, with empty tiles skipped.
 //!
-//! A sample falls into the cell whose half-open square [i, i + 1) contains it, so a ray that runs
-//! along a cell border belongs to the cell above and to the right of it. Every sample is computed
-//! from k with 32 fractional bits and never summed up, so it lies within 1e-5 cells of the exact
-//! point at 0.01 m per cell.
+//! A sample belongs to the cell whose half-open square [i, i + 1) contains it: a ray along a cell border belongs to the
+//! cell above and to the right of it. Coordinates have 32 fractional bits, so that a sample is within 1e-5 cells of the
+//! exact point at 0.01 m per cell.
 
 use super::{OCCUPIED, Plan, TILE};
 use crate::base::num::{BINS, Point, Turn};
 use crate::base::scan::{Hit, MAX_STEPS, Scan};
 use core::fmt;
 
-/// Of a million rays, at least this many find the hit type of exact sampling and a range within one step.
+/// Accuracy of [`Plan::scan`]: the smallest number of rays in a million with the hit type of exact sampling and a range
+/// within one step of it.
 pub const AGREEING_RAYS_PPM: u32 = 999_000;
 
-/// Why no scan can be cast from a position.
+/// Errors of [`Plan::scan`] and [`Plan::rays`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum MarchError {
     /// The position lies outside the plan.
     Outside,
-    /// The position lies inside a wall or glazing.
+    /// The position lies in a wall or window.
     Occupied,
 }
 
@@ -35,13 +35,13 @@ impl fmt::Display for MarchError {
 
 impl core::error::Error for MarchError {}
 
-/// One ray: start and step in cells, Q32, and what skipping needs.
+/// A ray: current sample and step along both axes.
 struct Ray {
     x: Axis,
     y: Axis,
 }
 
-/// One coordinate of a ray.
+/// One coordinate of a ray, with the constants of skipping.
 struct Axis {
     /// The current sample, cells, Q32.
     at: i64,
@@ -49,7 +49,7 @@ struct Axis {
     step: i64,
     /// March steps per cell, Q16, rounded down.
     inverse: u32,
-    /// All ones when the coordinate grows: turns "offset in the tile" into "room to its far side".
+    /// All ones for a step towards larger coordinates: turns the offset in a tile into the distance to its far side.
     flip: u32,
 }
 
@@ -57,8 +57,9 @@ struct Axis {
 const TILE_MASK: u32 = (TILE << 16) - 1;
 
 impl Axis {
+    #[expect(clippy::cast_possible_truncation, reason = "march steps are at most 20 cells, Q16")]
     fn new(start: i64, step: i64) -> Self {
-        // Rounded up, so that its inverse errs to the short side.
+        // Rounded up, so that the inverse is rounded down.
         let magnitude = (step.unsigned_abs() >> 16) as u32 + 1;
         Self {
             at: start + step,
@@ -69,17 +70,23 @@ impl Axis {
     }
 
     fn tile(&self) -> u32 {
-        // A negative coordinate becomes a huge tile number, which no plan has.
+        // A negative coordinate becomes a tile number above that of any plan.
         ((self.at >> 35) as i32).cast_unsigned()
     }
 
     /// Cell within the tile, 0..8.
+    #[expect(clippy::cast_sign_loss, reason = "masked to 3 bits")]
     fn cell(&self) -> u32 {
         (self.at >> 32) as u32 & (TILE - 1)
     }
 
-    /// Steps that surely stay within `tiles` further tiles of this one.
-    fn room(&self, tiles: u32) -> u32 {
+    /// Lower bound of the number of steps that stay within this tile and `tiles` further ones.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "masked to the offset within a tile"
+    )]
+    fn steps_within(&self, tiles: u32) -> u32 {
         let offset = ((self.at >> 16) as u32 ^ self.flip) & TILE_MASK;
         let cells = offset + tiles * (TILE << 16);
         ((u64::from(cells) * u64::from(self.inverse)) >> 32) as u32
@@ -91,7 +98,10 @@ impl Axis {
 }
 
 impl Plan<'_> {
-    /// What lies at a point; `None` outside the plan.
+    /// Type of the cell at a point in metres: wall, window or free ([`Hit::Open`]); `None` outside the plan.
+    ///
+    /// # Cost
+    /// Constant: two or three table look-ups.
     #[must_use]
     pub fn hit_at(&self, at: Point) -> Option<Hit> {
         let (x, y) = self.cells(at);
@@ -103,13 +113,23 @@ impl Plan<'_> {
         Some(self.occupied_hit(entry, row / TILE, column % TILE, row % TILE).unwrap_or(Hit::Open))
     }
 
-    /// Casts 360 rays from a position: bin j looks along `heading` + j degrees.
+    /// Casts 360 rays from a position: bin j has the direction `heading` + j degrees, counter-clockwise.
+    ///
+    /// # Formats
+    /// Ranges are whole march steps of 0.02 m, 1 to 1500. A ray without a hit is [`Hit::Open`] with 1500 steps.
+    ///
+    /// # Accuracy
+    /// [`AGREEING_RAYS_PPM`] of a million rays have the hit type of exact sampling and a range within one step.
     ///
     /// # Errors
-    /// [`MarchError`] when the position is outside the plan or occupied; `out` is then unchanged.
+    /// [`MarchError`] if the position is outside the plan or occupied; `out` is then unchanged.
     ///
     /// # Cost
-    /// At most 1500 samples a ray; about 10 in a furnished storey, thanks to skipping.
+    /// At most 1500 samples per ray; about 10 in a furnished storey, because empty tiles are skipped. Cortex-M7: `scan` in
+    /// `targets/budget.txt`.
+    ///
+    /// # References
+    /// The paper's ray march: step 0.02 m, largest range 30 m.
     pub fn scan(&self, at: Point, heading: Turn, out: &mut Scan) -> Result<(), MarchError> {
         let rays = self.rays(at, heading, 1)?;
         for (ray, (steps, hit)) in rays.zip(out.steps.iter_mut().zip(&mut out.hit)) {
@@ -118,11 +138,14 @@ impl Plan<'_> {
         Ok(())
     }
 
-    /// Casts every `stride`-th of the rays of [`Plan::scan`], each when it is asked for: range in steps
-    /// and hit type of bins 0, `stride`, ... below 360.
+    /// Casts every `stride`-th ray of [`Plan::scan`] lazily: an iterator over range in march steps and hit type of the bins
+    /// 0, `stride`, 2 `stride`, ... below 360. A stride of 0 counts as 1.
     ///
     /// # Errors
-    /// [`MarchError`] when the position is outside the plan or occupied.
+    /// [`MarchError`] if the position is outside the plan or occupied.
+    ///
+    /// # Cost
+    /// Per ray that of [`Plan::scan`].
     #[inline]
     pub fn rays(
         &self,
@@ -146,22 +169,23 @@ impl Plan<'_> {
     }
 
     /// Follows one ray to its first occupied sample.
+    #[expect(clippy::cast_possible_truncation, reason = "samples are at most MAX_STEPS")]
     fn march(&self, mut ray: Ray) -> (u16, Hit) {
         let mut sample = 1_u32;
         while sample <= u32::from(MAX_STEPS) {
             let (tx, ty) = (ray.x.tile(), ray.y.tile());
             let Some(entry) = self.entry(tx, ty) else { break };
             let advance = if entry < OCCUPIED {
-                // Every tile closer than `entry` is empty: the samples in them need no look.
+                // All tiles closer than `entry` are empty: samples in them are skipped.
                 let tiles = u32::from(entry.saturating_sub(1));
-                ray.x.room(tiles).min(ray.y.room(tiles)) + 1
+                ray.x.steps_within(tiles).min(ray.y.steps_within(tiles)) + 1
             } else {
                 if let Some(hit) = self.occupied_hit(entry, ty, ray.x.cell(), ray.y.cell()) {
                     return (sample as u16, hit);
                 }
                 1
             };
-            // `room` saturates far beyond the end of a ray; no coordinate overflows before it.
+            // `steps_within` can exceed the end of the ray: bounded, no coordinate overflows.
             let advance = advance.min(u32::from(MAX_STEPS));
             sample += advance;
             ray.x.advance(advance);
@@ -177,7 +201,7 @@ impl Plan<'_> {
         self.tiles.get((ty * self.tiles_x + tx) as usize).map(|e| u16::from_le_bytes(*e))
     }
 
-    /// What an occupied tile holds at a cell; `None` when that cell is free or the tile empty.
+    /// Hit type of a cell of a tile; `None` if the cell is free or the tile empty.
     fn occupied_hit(&self, entry: u16, ty: u32, cell_x: u32, cell_y: u32) -> Option<Hit> {
         let number = entry.checked_sub(OCCUPIED)?;
         let first = u32::from_le_bytes(*self.rows.get(ty as usize)?);
@@ -196,7 +220,7 @@ mod tests {
     use super::*;
     use crate::base::num::Metres;
     use crate::base::raster::BitMask;
-    use crate::map::plan::{Frame, PlanError, pack, packed_len};
+    use crate::map::plan::{PlanError, PlanGrid, pack, packed_len};
     use proptest::prelude::*;
     use std::vec;
     use std::vec::Vec;
@@ -244,8 +268,8 @@ mod tests {
         fn pack(&self, resolution_nm: u32) -> Vec<u8> {
             let (walls, windows) = self.masks();
             let mut bytes = vec![0; packed_len(&walls, &windows).unwrap()];
-            let frame = Frame { resolution_nm, origin: point(-1.0, 2.0) };
-            pack(&walls, &windows, frame, &mut bytes).unwrap().verify().unwrap();
+            let grid = PlanGrid { resolution_nm, origin: point(-1.0, 2.0) };
+            pack(&walls, &windows, grid, &mut bytes).unwrap().verify().unwrap();
             bytes
         }
 
@@ -262,7 +286,7 @@ mod tests {
             })
         }
 
-        /// Sample by sample, without skipping, in the same numbers.
+        /// The same march sample by sample, without skipping.
         fn step(&self, plan: &Plan<'_>, at: Point, heading: Turn, bin: usize) -> (u16, Hit) {
             let (x, y) = plan.cells(at);
             let (cos, sin) = heading.fan().cos_sin(bin);
@@ -285,7 +309,7 @@ mod tests {
     }
 
     #[test]
-    fn a_room_drawn_by_hand() {
+    fn rays_in_a_drawn_room_have_known_ranges() {
         // 10 cm cells; the origin is at (-1, 2).
         let drawing =
             Drawing::parse(&["########", "#      #", "#      =", "#      =", "#      #", "########"]);
@@ -293,7 +317,7 @@ mod tests {
         let plan = Plan::new(&bytes).unwrap();
         let mut scan = Scan::OPEN;
         plan.scan(point(-0.61, 2.31), Turn::ZERO, &mut scan).unwrap();
-        assert_eq!((scan.steps[0], scan.hit[0]), (16, Hit::Window), "0.31 m to the glazing at x = -0.3");
+        assert_eq!((scan.steps[0], scan.hit[0]), (16, Hit::Window), "0.31 m to the window at x = -0.3");
         assert_eq!((scan.steps[180], scan.hit[180]), (15, Hit::Wall), "0.29 m to the wall at x = -0.9");
         assert_eq!((scan.steps[90], scan.hit[90]), (10, Hit::Wall));
         assert_eq!(scan.count(Hit::Open), 0);
@@ -305,7 +329,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_around_is_open() {
+    fn rays_without_a_hit_are_open() {
         let mut drawing = Drawing::new(300, 300);
         drawing.set(299, 0, Hit::Wall);
         let bytes = drawing.pack(CENTIMETRE);
@@ -316,20 +340,20 @@ mod tests {
     }
 
     #[test]
-    fn packing_refuses_what_does_not_fit() {
+    fn packing_rejects_invalid_input() {
         let drawing = Drawing::new(20, 20);
         let (walls, windows) = drawing.masks();
         let small = Drawing::new(20, 19);
-        let frame = Frame { resolution_nm: CENTIMETRE, origin: point(0.0, 0.0) };
+        let grid = PlanGrid { resolution_nm: CENTIMETRE, origin: point(0.0, 0.0) };
         assert_eq!(packed_len(&walls, &small.masks().1), Err(PlanError::MaskSize));
-        assert_eq!(pack(&walls, &windows, frame, &mut [0; 50]).unwrap_err(), PlanError::Buffer);
-        let coarse = Frame { resolution_nm: 999_999, ..frame };
+        assert_eq!(pack(&walls, &windows, grid, &mut [0; 50]).unwrap_err(), PlanError::Buffer);
+        let coarse = PlanGrid { resolution_nm: 999_999, ..grid };
         let mut out = vec![0; packed_len(&walls, &windows).unwrap()];
         assert_eq!(pack(&walls, &windows, coarse, &mut out).unwrap_err(), PlanError::Resolution);
     }
 
     #[test]
-    fn damaged_bytes_are_refused_or_harmless() {
+    fn damaged_bytes_do_not_panic() {
         let drawing = Drawing::parse(&["########", "#      #", "#      =", "########"]);
         let bytes = drawing.pack(CENTIMETRE);
         for len in 0..bytes.len() {
@@ -345,7 +369,7 @@ mod tests {
         }
     }
 
-    /// Random clutter: thin lines, single cells and blocks.
+    /// Random drawings of thin lines, single cells and blocks.
     fn drawings() -> impl Strategy<Value = Drawing> {
         let block = (0u32..400, 0u32..300, 1u32..60, 1u32..12, any::<bool>(), any::<bool>());
         (300u32..400, 200u32..300, proptest::collection::vec(block, 0..25)).prop_map(

@@ -1,8 +1,8 @@
 //! The packed floor plan and the ray march through it.
 //!
-//! A plan is one byte string that is read in place, from memory, a mapped file or flash: tiles of
-//! 8 x 8 cells, the empty ones holding their distance to the nearest occupied tile, the occupied
-//! ones pointing at their bits. At 0.01 m a storey of 73 x 42 m takes about 1.3 MB.
+//! A plan is one byte string that is read in place, from memory, a mapped file or flash. It has tiles of 8 x 8 cells: an
+//! empty tile holds its distance to the nearest occupied one, an occupied tile the index of its cells. A storey of
+//! 73 x 42 m at 0.01 m per cell takes about 1.3 MB.
 //!
 //! # Format
 //! All numbers are little-endian.
@@ -16,11 +16,11 @@
 //! | 16 | 4 | height in cells |
 //! | 20 | 4 | cell side in nanometres |
 //! | 24 | 8 | x of the outer corner of the bottom-left cell, [`Metres`] bits |
-//! | 32 | 8 | y of it |
+//! | 32 | 8 | y of the same corner |
 //! | 40 | 4 | number of occupied tiles |
 //! | 44 | 4 | CRC-32 (ISO-HDLC) of everything but this field |
 //! | 48 | 4 ty | per tile row, the number of its first occupied tile |
-//! | | 2 tx ty | per tile, south to north, west to east: below 256 the chessboard distance in tiles to the nearest occupied tile or to the outside, else 256 + the number of the occupied tile within its row |
+//! | | 2 tx ty | per tile, south to north, west to east: below 256 the chessboard distance in tiles to the nearest occupied tile or to the outside, else 256 + the index of the occupied tile within its row |
 //! | | 16 each | occupied tiles: for 8 rows, south to north, a byte of wall bits and one of window bits, west in the lowest bit |
 
 mod march;
@@ -36,35 +36,35 @@ use core::fmt;
 const TILE: u32 = 8;
 /// Bytes of the bits of one occupied tile.
 const PATTERN_BYTES: usize = 16;
-/// Tile entries from here on name an occupied tile.
+/// Smallest tile entry of an occupied tile.
 const OCCUPIED: u16 = 256;
 /// Bytes before the row table.
 const HEADER_BYTES: usize = 48;
 const MAGIC: [u8; 8] = *b"CMPSPLAN";
 const VERSION: u16 = 1;
-/// Smallest and largest cell side: below a millimetre a march step would be above 20 cells.
+/// Range of the cell side, nanometres. Below 1 mm a march step would exceed 20 cells.
 pub(crate) const RESOLUTION_NM: core::ops::RangeInclusive<u32> = 1_000_000..=4_000_000_000;
 
-/// Why bytes are no plan, or a plan could not be packed.
+/// Errors of [`Plan::new`], [`Plan::verify`], [`packed_len`] and [`pack()`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum PlanError {
     /// The bytes do not begin with the magic of a plan.
     Magic,
-    /// The plan was written in this other version of the format.
+    /// The version of the format is not supported.
     Version(u16),
     /// Width or height is zero or above 65535 cells.
     Size,
     /// The cell side lies outside 0.001 m to 4 m.
     Resolution,
-    /// The number of bytes is not what the header asks for.
+    /// The number of bytes does not match the header.
     Length,
     /// The checksum does not match the bytes.
     Checksum,
-    /// Wall and window mask differ in size.
+    /// Wall mask and window mask differ in size.
     MaskSize,
-    /// The lent buffer is shorter than [`packed_len`].
+    /// The buffer is shorter than [`packed_len`].
     Buffer,
 }
 
@@ -85,10 +85,10 @@ impl fmt::Display for PlanError {
 
 impl core::error::Error for PlanError {}
 
-/// Where a plan lies in the map.
+/// The grid of a plan: cell size and position in the coordinates of the floor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Frame {
-    /// Side of a cell in nanometres, 0.001 m to 4 m.
+pub struct PlanGrid {
+    /// Side of a cell in nanometres: 1,000,000 to 4,000,000,000 (0.001 m to 4 m).
     pub resolution_nm: u32,
     /// The outer corner of the bottom-left cell.
     pub origin: Point,
@@ -106,7 +106,7 @@ pub struct Plan<'a> {
     tiles_y: u32,
     width: u32,
     height: u32,
-    frame: Frame,
+    grid: PlanGrid,
     /// 1 m in cells, Q32.
     cells_per_metre: u64,
     /// The march step in cells, Q28; at most 20 cells.
@@ -116,10 +116,17 @@ pub struct Plan<'a> {
 impl<'a> Plan<'a> {
     /// Views bytes as a plan. Checks header and lengths, not the checksum: see [`Plan::verify`].
     ///
-    /// Damaged contents cannot do harm: a ray then meets the wrong things, or nothing.
+    /// Damaged contents are not detected here; they give wrong ray hits, never a panic.
+    ///
+    /// # Formats
+    /// The [packed plan](self).
     ///
     /// # Errors
-    /// [`PlanError`] names the field that is wrong.
+    /// [`PlanError::Length`], [`PlanError::Magic`], [`PlanError::Version`], [`PlanError::Size`] or
+    /// [`PlanError::Resolution`], for the first field that is invalid.
+    ///
+    /// # Cost
+    /// Constant: reads the header alone.
     pub fn new(bytes: &'a [u8]) -> Result<Self, PlanError> {
         let header: &[u8; HEADER_BYTES] = bytes.first_chunk().ok_or(PlanError::Length)?;
         let (magic, rest) = header.split_first_chunk::<8>().ok_or(PlanError::Length)?;
@@ -143,16 +150,16 @@ impl<'a> Plan<'a> {
         if bytes.len() != layout.len {
             return Err(PlanError::Length);
         }
-        let frame = Frame { resolution_nm, origin };
-        Self::with_layout(bytes, layout, frame)
+        let grid = PlanGrid { resolution_nm, origin };
+        Self::with_layout(bytes, layout, grid)
     }
 
-    fn with_layout(bytes: &'a [u8], layout: Layout, frame: Frame) -> Result<Self, PlanError> {
-        if !RESOLUTION_NM.contains(&frame.resolution_nm) {
+    fn with_layout(bytes: &'a [u8], layout: Layout, grid: PlanGrid) -> Result<Self, PlanError> {
+        if !RESOLUTION_NM.contains(&grid.resolution_nm) {
             return Err(PlanError::Resolution);
         }
         let part = |from: usize, to: usize| bytes.get(from..to).ok_or(PlanError::Length);
-        let resolution = u64::from(frame.resolution_nm);
+        let resolution = u64::from(grid.resolution_nm);
         Ok(Self {
             bytes,
             rows: part(HEADER_BYTES, layout.tiles_at)?.as_chunks().0,
@@ -162,40 +169,43 @@ impl<'a> Plan<'a> {
             tiles_y: layout.tiles_y,
             width: layout.width,
             height: layout.height,
-            frame,
+            grid,
             cells_per_metre: (1_000_000_000 << 32) / resolution,
             step: ((20_000_000_u64 << 28) / resolution).cast_signed(),
         })
     }
 
-    /// The bytes of the plan, to be stored as they are.
+    /// The bytes of the packed plan.
     #[must_use]
     pub const fn as_bytes(&self) -> &'a [u8] {
         self.bytes
     }
 
-    /// The checksum that the plan carries: it names the plan in the maps made from it.
+    /// The checksum stored in the plan. Site maps refer to their plan by it.
     #[must_use]
     pub fn checksum(&self) -> u32 {
         let stored = self.bytes.get(CRC_AT..).and_then(<[u8]>::first_chunk);
         stored.map_or(0, |bytes| u32::from_le_bytes(*bytes))
     }
 
-    /// Compares the checksum with the bytes (reads all of them).
+    /// Compares the stored checksum with that of the bytes.
     ///
     /// # Errors
-    /// [`PlanError::Checksum`] when they differ.
+    /// [`PlanError::Checksum`] if they differ.
+    ///
+    /// # Cost
+    /// Reads all bytes once.
     pub fn verify(&self) -> Result<(), PlanError> {
         if self.checksum() == checksum(self.bytes) { Ok(()) } else { Err(PlanError::Checksum) }
     }
 
-    /// Cells along x.
+    /// Width in cells.
     #[must_use]
     pub const fn width(&self) -> u32 {
         self.width
     }
 
-    /// Cells along y.
+    /// Height in cells.
     #[must_use]
     pub const fn height(&self) -> u32 {
         self.height
@@ -203,34 +213,38 @@ impl<'a> Plan<'a> {
 
     /// Resolution and origin.
     #[must_use]
-    pub const fn frame(&self) -> Frame {
-        self.frame
+    pub const fn grid(&self) -> PlanGrid {
+        self.grid
     }
 
-    /// The centre of a cell in the map.
+    /// The centre of a cell in the coordinates of the floor, metres: see [`PlanGrid::cell_centre`].
     #[must_use]
     pub fn cell_centre(&self, column: u16, row: u16) -> Point {
-        self.frame.cell_centre(column, row)
+        self.grid.cell_centre(column, row)
     }
 
-    /// Coordinates in cells, Q32; saturating far outside.
+    /// Coordinates in cells, Q32, saturating.
+    #[expect(clippy::cast_possible_truncation, reason = "clamped to a quarter of 64 bits")]
     fn cells(&self, at: Point) -> (i64, i64) {
         let scale = |v: Metres, origin: Metres| {
             let metres = i128::from(v.to_bits()) - i128::from(origin.to_bits());
             let cells = (metres * i128::from(self.cells_per_metre)) >> 32;
-            // One march adds at most 30,000 cells: leave room for it.
+            // A march adds at most 30,000 cells: no overflow from a quarter of the range.
             cells.clamp(i128::from(i64::MIN / 4), i128::from(i64::MAX / 4)) as i64
         };
-        (scale(at.x, self.frame.origin.x), scale(at.y, self.frame.origin.y))
+        (scale(at.x, self.grid.origin.x), scale(at.y, self.grid.origin.y))
     }
 }
 
-impl Frame {
-    /// The centre of a cell in the map.
+impl PlanGrid {
+    /// The centre of a cell in the coordinates of the floor, metres; column from the west, row from the south.
+    ///
+    /// # Formats
+    /// Rounded to the nearest 2^-32 m, saturating.
     #[must_use]
     pub fn cell_centre(&self, column: u16, row: u16) -> Point {
-        // 2 index + 1 half cells in nanometres, to Q32 metres, rounded to the nearest: the whole part of a half cell and
-        // what is left of it apart, so that 64 bits do.
+        // 2 index + 1 half cells in nanometres, to Q32 metres, rounded to the nearest. Quotient and remainder of a half
+        // cell are multiplied separately, so that 64 bits suffice.
         let half_cell = u64::from(self.resolution_nm) << 31;
         let (whole, left) = (half_cell / 1_000_000_000, half_cell % 1_000_000_000);
         let along = |index: u16, origin: Metres| {
@@ -242,7 +256,7 @@ impl Frame {
     }
 }
 
-/// Where the parts of a packed plan begin.
+/// Offsets of the parts of a packed plan.
 #[derive(Debug, Clone, Copy)]
 struct Layout {
     width: u32,
@@ -270,7 +284,7 @@ impl Layout {
     }
 }
 
-/// Offset of the checksum field.
+/// Offset of the checksum field, bytes.
 const CRC_AT: usize = 44;
 
 fn checksum(bytes: &[u8]) -> u32 {

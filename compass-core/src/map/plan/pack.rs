@@ -1,18 +1,22 @@
-//! Packing two bit masks into a plan.
+//! Packing of a wall mask and a window mask into a plan.
 
 use super::{
-    CRC_AT, Frame, HEADER_BYTES, Layout, MAGIC, OCCUPIED, PATTERN_BYTES, Plan, PlanError, TILE, VERSION,
+    CRC_AT, HEADER_BYTES, Layout, MAGIC, OCCUPIED, PATTERN_BYTES, Plan, PlanError, PlanGrid, TILE, VERSION,
     checksum,
 };
 use crate::base::raster::BitMask;
 
-/// Longest distance an empty tile can state.
+/// Largest distance that an empty tile can hold.
 const MAX_DISTANCE: u16 = OCCUPIED - 1;
 
-/// Bytes that [`pack`] needs for these masks.
+/// Length in bytes of the packed plan of these masks.
 ///
 /// # Errors
-/// [`PlanError::MaskSize`] when the masks differ in size.
+/// [`PlanError::MaskSize`] if the masks differ in size, [`PlanError::Size`] or [`PlanError::Length`] if the format cannot
+/// hold them.
+///
+/// # Cost
+/// Reads both masks once.
 pub fn packed_len(walls: &BitMask<'_>, windows: &BitMask<'_>) -> Result<usize, PlanError> {
     layout(walls, windows).map(|layout| layout.len)
 }
@@ -29,21 +33,32 @@ fn layout(walls: &BitMask<'_>, windows: &BitMask<'_>) -> Result<Layout, PlanErro
     Layout::new(walls.width(), walls.height(), occupied)
 }
 
-/// Packs a wall and a window mask into `out` and views the result.
+/// Packs a wall mask and a window mask into `out` and returns a view of the result.
 ///
-/// Where both masks are set the cell is a wall. `out` may be longer than [`packed_len`]; the rest
-/// is left alone.
+/// A cell set in both masks is a wall. `out` may be longer than [`packed_len`]; the rest is not written.
+///
+/// # Formats
+/// Row 0 of the masks is the south, column 0 the west. The result is the [packed plan](super).
 ///
 /// # Errors
-/// [`PlanError::MaskSize`], [`PlanError::Resolution`], or [`PlanError::Buffer`] when `out` is too short.
+/// [`PlanError::MaskSize`] if the masks differ in size, [`PlanError::Size`] or [`PlanError::Length`] if the format cannot
+/// hold them, [`PlanError::Resolution`] for a cell side outside 0.001 m to 4 m, [`PlanError::Buffer`] if `out` is shorter
+/// than [`packed_len`].
+///
+/// # Cost
+/// Reads both masks twice, and eight neighbours of each tile for the distances.
+///
+/// # References
+/// The two-pass distance transform: A. Rosenfeld, J. L. Pfaltz, "Sequential operations in digital picture
+/// processing", J. ACM 13 (4), 1966.
 pub fn pack<'a>(
     walls: &BitMask<'_>,
     windows: &BitMask<'_>,
-    frame: Frame,
+    grid: PlanGrid,
     out: &'a mut [u8],
 ) -> Result<Plan<'a>, PlanError> {
     let layout = layout(walls, windows)?;
-    if !super::RESOLUTION_NM.contains(&frame.resolution_nm) {
+    if !super::RESOLUTION_NM.contains(&grid.resolution_nm) {
         return Err(PlanError::Resolution);
     }
     let bytes = out.get_mut(..layout.len).ok_or(PlanError::Buffer)?;
@@ -55,12 +70,12 @@ pub fn pack<'a>(
     let (rows, tiles) = (rows.as_chunks_mut::<4>().0, tiles.as_chunks_mut::<2>().0);
     let occupied = write_tiles(walls, windows, rows, tiles, patterns.as_chunks_mut::<PATTERN_BYTES>().0);
     spread_distances(tiles, layout.tiles_x as usize);
-    write_header(header, &layout, frame, occupied);
+    write_header(header, &layout, grid, occupied);
     let crc = checksum(bytes);
     if let Some(field) = bytes.get_mut(CRC_AT..CRC_AT + 4) {
         field.copy_from_slice(&crc.to_le_bytes());
     }
-    Plan::with_layout(bytes, layout, frame)
+    Plan::with_layout(bytes, layout, grid)
 }
 
 /// The bits of one tile, or `None` when it is empty.
@@ -75,8 +90,9 @@ fn pattern(walls: &BitMask<'_>, windows: &BitMask<'_>, tx: u32, ty: u32) -> Opti
     (any != 0).then_some(bits)
 }
 
-/// Fills the row table, the patterns and, for occupied tiles, the entries; empty tiles get the
-/// largest distance. Returns the number of occupied tiles.
+/// Fills the row table, the patterns and the entries of occupied tiles; the entries of empty tiles become
+/// [`MAX_DISTANCE`]. Returns the number of occupied tiles.
+#[expect(clippy::cast_possible_truncation, reason = "a row has at most 8192 tiles")]
 fn write_tiles(
     walls: &BitMask<'_>,
     windows: &BitMask<'_>,
@@ -107,7 +123,7 @@ fn write_tiles(
     next
 }
 
-/// Two-pass chessboard distance transform; the outside of the raster counts as occupied.
+/// Two-pass chessboard distance transform. The outside of the raster counts as occupied.
 fn spread_distances(tiles: &mut [[u8; 2]], tiles_x: usize) {
     let tiles_y = tiles.len() / tiles_x.max(1);
     for y in 0..tiles_y {
@@ -146,16 +162,16 @@ fn relax(tiles: &mut [[u8; 2]], tiles_x: usize, (x, y): (usize, usize), neighbou
     }
 }
 
-fn write_header(header: &mut [u8], layout: &Layout, frame: Frame, occupied: u32) {
+fn write_header(header: &mut [u8], layout: &Layout, grid: PlanGrid, occupied: u32) {
     let fields: [&[u8]; 10] = [
         &MAGIC,
         &VERSION.to_le_bytes(),
         &[0; 2],
         &layout.width.to_le_bytes(),
         &layout.height.to_le_bytes(),
-        &frame.resolution_nm.to_le_bytes(),
-        &frame.origin.x.to_bits().to_le_bytes(),
-        &frame.origin.y.to_bits().to_le_bytes(),
+        &grid.resolution_nm.to_le_bytes(),
+        &grid.origin.x.to_bits().to_le_bytes(),
+        &grid.origin.y.to_bits().to_le_bytes(),
         &occupied.to_le_bytes(),
         &[0; 4],
     ];

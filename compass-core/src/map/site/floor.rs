@@ -1,38 +1,38 @@
-//! One floor: a name, a site map and the plans of its layers.
+//! A floor: name, site map, and the packed plans of its layers.
 
 use crate::map::plan::{Plan, PlanError};
 use crate::map::site_map::{SiteMap, SiteMapError};
 use core::fmt;
 
-/// Most bytes of a floor's name.
+/// Largest length of the name of a floor, bytes of UTF-8.
 pub const MAX_NAME_BYTES: usize = 23;
 
-/// Whether a floor can have this name: 1 to [`MAX_NAME_BYTES`] bytes without control characters.
+/// Whether a name is valid for a floor: 1 to [`MAX_NAME_BYTES`] bytes of UTF-8 without control characters.
 #[must_use]
 pub fn is_name(name: &str) -> bool {
     (1..=MAX_NAME_BYTES).contains(&name.len()) && !name.chars().any(char::is_control)
 }
 
-/// Why parts do not make a floor. Layers count from 0.
+/// Errors of [`Floor::new`] and of reading a floor. Layers are numbered 0 plan, 1 structure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum FloorError {
-    /// The name is empty, too long, not UTF-8, or has control characters.
+    /// The name is empty, too long, not UTF-8, or contains control characters.
     Name,
-    /// A part does not lie where the parts before it end.
+    /// The offset of a part is not the end of the part before it.
     Offset,
-    /// The site map cannot be read.
+    /// The site map is invalid.
     Map(SiteMapError),
-    /// The packed plan of this layer cannot be read.
+    /// The packed plan of this layer is invalid.
     Plan(u8, PlanError),
-    /// The map has not as many layers as there are plans.
+    /// The number of layers of the map differs from the number of plans.
     Layers,
-    /// Resolution or origin of this layer's plan are not those of the map.
-    Frame(u8),
-    /// Width or height of this layer's plan are not those that the map says.
+    /// Resolution or origin of the plan of this layer differ from those of the map.
+    Grid(u8),
+    /// Width or height of the plan of this layer differ from those of the map.
     PlanSize(u8),
-    /// The map says that it was made from another plan than that of layer 0.
+    /// The map was cast from a plan other than that of layer 0.
     PlanChecksum,
 }
 
@@ -46,7 +46,7 @@ impl fmt::Display for FloorError {
             Self::Map(error) => error.fmt(f),
             Self::Plan(layer, error) => write!(f, "layer {layer}: {error}"),
             Self::Layers => f.write_str("its map has not as many layers as it has plans"),
-            Self::Frame(layer) => {
+            Self::Grid(layer) => {
                 write!(f, "plan resolution or origin of layer {layer} are not those of its map")
             }
             Self::PlanSize(layer) => write!(f, "plan size of layer {layer} is not that of its map"),
@@ -57,7 +57,7 @@ impl fmt::Display for FloorError {
 
 impl core::error::Error for FloorError {}
 
-/// A floor of a site: where one can be on it, and what surrounds one there.
+/// A floor of a site: its candidates and the packed plans of its layers.
 #[derive(Debug, Clone, Copy)]
 pub struct Floor<'a> {
     name: &'a str,
@@ -67,11 +67,11 @@ pub struct Floor<'a> {
 }
 
 impl<'a> Floor<'a> {
-    /// Puts a floor together from its map, the plan that was made from, and of a map of two layers the plan of the
-    /// structure alone.
+    /// A floor from its parts: the site map, the plan that layer 0 was cast from, and for a map of two layers the plan of
+    /// the structure.
     ///
     /// # Errors
-    /// [`FloorError`] names what does not fit.
+    /// [`FloorError`]: invalid name, or map and plans that do not belong together.
     pub fn new(
         name: &'a str,
         map: SiteMap<'a>,
@@ -87,8 +87,8 @@ impl<'a> Floor<'a> {
             return Err(FloorError::Layers);
         }
         for (layer, plan) in (0..).zip(floor.plans()) {
-            if plan.frame() != header.frame {
-                return Err(FloorError::Frame(layer));
+            if plan.grid() != header.grid {
+                return Err(FloorError::Grid(layer));
             }
             if [plan.width(), plan.height()] != header.plan_size {
                 return Err(FloorError::PlanSize(layer));
@@ -97,25 +97,25 @@ impl<'a> Floor<'a> {
         if plan.checksum() == header.plan_checksum { Ok(floor) } else { Err(FloorError::PlanChecksum) }
     }
 
-    /// Its name, unique in its site.
+    /// The name, unique within a site.
     #[must_use]
     pub const fn name(&self) -> &'a str {
         self.name
     }
 
-    /// The map of positions.
+    /// The site map: candidates and their scans.
     #[must_use]
     pub const fn map(&self) -> &SiteMap<'a> {
         &self.map
     }
 
-    /// Layers of map and plans, 1 or 2.
+    /// Number of layers, 1 or 2.
     #[must_use]
     pub const fn layers(&self) -> usize {
         if self.structure.is_some() { 2 } else { 1 }
     }
 
-    /// The plan from which a layer of the map was cast: 0 the plan as drawn, 1 its structure.
+    /// The plan that a layer of the map was cast from: 0 plan, 1 structure; `None` for a layer that does not exist.
     #[must_use]
     pub fn plan(&self, layer: usize) -> Option<Plan<'a>> {
         self.plans().nth(layer)
@@ -125,7 +125,7 @@ impl<'a> Floor<'a> {
         core::iter::once(self.plan).chain(self.structure)
     }
 
-    /// The bytes of its parts in the order of the file.
+    /// The bytes of the parts in the order of the file.
     pub(super) fn parts(&self) -> impl Iterator<Item = &'a [u8]> + use<'a> {
         core::iter::once(self.map.as_bytes()).chain(self.plans().map(|plan| plan.as_bytes()))
     }

@@ -1,4 +1,4 @@
-//! The file of a site: every floor of a building with its site map and its packed plans, read in place.
+//! The site file: all floors of a building with their site maps and packed plans, read in place.
 //!
 //! # Format
 //! All numbers are little-endian.
@@ -9,24 +9,24 @@
 //! | 8 | 2 | version, 1 |
 //! | 10 | 1 | number of floors n, 1 to 32 |
 //! | 11 | 1 | reserved, 0 |
-//! | 12 | 4 | CRC-32 (ISO-HDLC) of bytes 0..12 and of the floors' entries |
+//! | 12 | 4 | CRC-32 (ISO-HDLC) of bytes 0..12 and of the entries |
 //! | 16 | 48 n | entries of the floors |
-//! | 16 + 48 n | | their parts |
-//! | end - 4 | 4 | CRC-32 of everything before it |
+//! | 16 + 48 n | | parts of the floors |
+//! | end - 4 | 4 | CRC-32 of all bytes before it |
 //!
 //! The entry of a floor:
 //!
 //! | offset | bytes | field |
 //! |---|---|---|
-//! | 0 | 1 | bytes of its name, 1 to 23 |
-//! | 1 | 23 | the name: UTF-8 without control characters, then zeros; no other floor has it |
-//! | 24 | 8 | offset and length of its [site map](crate::map::site_map) |
-//! | 32 | 8 | offset and length of the [packed plan](crate::map::plan) of layer 0, from which the map says it was made |
-//! | 40 | 8 | those of the packed plan of layer 1, zeros when the map has one layer |
+//! | 0 | 1 | length of the name in bytes, 1 to 23 |
+//! | 1 | 23 | name, unique in the site: UTF-8 without control characters, then zeros |
+//! | 24 | 8 | offset and length of the [site map](crate::map::site_map) |
+//! | 32 | 8 | offset and length of the [packed plan](crate::map::plan) of layer 0, whose checksum is in the map |
+//! | 40 | 8 | offset and length of the packed plan of layer 1; zeros if the map has one layer |
 //!
-//! Parts are whole files of their own formats, in the order of the entries and of the fields in them. Each begins
-//! at the first multiple of 8 bytes behind the one before, and the last checksum at the first behind the last part;
-//! zeros are between.
+//! Parts are complete files of their own formats, in the order of the entries and of the fields in them. Each part, and
+//! the checksum at the end, begins at the first multiple of 8 bytes behind the part before it; the bytes between are
+//! zeros.
 
 mod floor;
 mod layout;
@@ -41,29 +41,29 @@ use core::fmt;
 
 const MAGIC: [u8; 8] = *b"CMPSSITE";
 const VERSION: u16 = 1;
-/// Most floors of a site.
+/// Largest number of floors of a site.
 pub const MAX_FLOORS: usize = 32;
 
-/// Why bytes are no site, or one could not be written. Floors count from 0.
+/// Errors of reading and writing a site. Floors are numbered from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum SiteError {
     /// The bytes do not begin with the magic of a site.
     Magic,
-    /// The site was written in this other version of the format.
+    /// The version of the format is not supported.
     Version(u16),
     /// The number of floors is zero or above [`MAX_FLOORS`].
     Floors,
-    /// The checksum of header and entries does not match them.
+    /// The checksum of header and entries does not match.
     HeaderChecksum,
-    /// This floor cannot be read.
+    /// This floor is invalid.
     Floor(u8, FloorError),
-    /// This floor's name is that of a floor before it.
+    /// The name of this floor is that of an earlier floor.
     SameName(u8),
-    /// The number of bytes is not what the entries ask for, or more than the format can count.
+    /// The number of bytes does not match the entries, or exceeds the range of the format.
     Length,
-    /// The checksum of the whole does not match.
+    /// The checksum of the file does not match.
     Checksum,
 }
 

@@ -4,23 +4,23 @@ use crate::base::crc::CRC32;
 use crate::base::num::{BINS, Metres, Point};
 use crate::base::raster::BitMask;
 use crate::base::scan::{Hit, Scan};
-use crate::map::plan::{Frame, Plan, PlanError, pack, packed_len};
+use crate::map::plan::{Plan, PlanError, PlanGrid, pack, packed_len};
 use crate::map::site_map::{self, Header, Layer, PackedScan, SiteMap, SiteMapError};
 use proptest::prelude::*;
 use std::string::String;
 use std::vec::Vec;
 
 const SIDE: u32 = 24;
-const FRAME: Frame = Frame { resolution_nm: 50_000_000, origin: Point::new(Metres::ZERO, Metres::ONE) };
+const GRID: PlanGrid = PlanGrid { resolution_nm: 50_000_000, origin: Point::new(Metres::ZERO, Metres::ONE) };
 
 /// A plan of 24 x 24 cells with a wall along this row.
-fn plan(row: usize, frame: Frame) -> Vec<u8> {
+fn plan(row: usize, grid: PlanGrid) -> Vec<u8> {
     let row_bytes = BitMask::row_bytes(SIDE);
     let (mut walls, windows) = (std::vec![0; row_bytes * SIDE as usize], [0; 3 * SIDE as usize]);
     walls[row * row_bytes..][..row_bytes].fill(0xff);
     let mask = |bytes| BitMask::new(bytes, SIDE, SIDE).unwrap();
     let mut bytes = std::vec![0; packed_len(&mask(&walls), &mask(&windows)).unwrap()];
-    pack(&mask(&walls), &mask(&windows), frame, &mut bytes).unwrap();
+    pack(&mask(&walls), &mask(&windows), grid, &mut bytes).unwrap();
     bytes
 }
 
@@ -29,7 +29,7 @@ fn map(plan: &[u8], layers: u8) -> Vec<u8> {
     let header = Header {
         candidates: 2,
         layers,
-        frame: plan.frame(),
+        grid: plan.grid(),
         spacing_mm: 250,
         plan_size: [plan.width(), plan.height()],
         plan_checksum: plan.checksum(),
@@ -45,7 +45,7 @@ fn map(plan: &[u8], layers: u8) -> Vec<u8> {
     writer.finish().unwrap()
 }
 
-/// The parts of two floors: one with two layers, one with one.
+/// The parts of two floors, of two layers and of one.
 struct Parts {
     maps: [Vec<u8>; 2],
     plans: [Vec<u8>; 3],
@@ -53,7 +53,7 @@ struct Parts {
 
 impl Parts {
     fn new() -> Self {
-        let plans = [plan(2, FRAME), plan(5, FRAME), plan(9, FRAME)];
+        let plans = [plan(2, GRID), plan(5, GRID), plan(9, GRID)];
         Self { maps: [map(&plans[0], 2), map(&plans[2], 1)], plans }
     }
 
@@ -76,7 +76,7 @@ fn site() -> Vec<u8> {
     bytes
 }
 
-/// Makes the header's checksum right again.
+/// Recomputes the checksum of the header.
 fn seal(bytes: &mut [u8]) {
     let floors = usize::from(bytes[10]);
     let entries = bytes[HEADER_BYTES..][..ENTRY_BYTES * floors].as_chunks().0;
@@ -84,7 +84,7 @@ fn seal(bytes: &mut [u8]) {
     bytes[SUMMED_BYTES..HEADER_BYTES].copy_from_slice(&crc.to_le_bytes());
 }
 
-/// Reads all that a site offers.
+/// Reads all contents of a site.
 fn read_all(site: &Site<'_>) {
     let mut scan = Scan::OPEN;
     for floor in site.floors() {
@@ -100,7 +100,7 @@ fn read_all(site: &Site<'_>) {
 }
 
 #[test]
-fn what_was_written_is_read() {
+fn a_written_site_is_read_back() {
     let (bytes, parts) = (site(), Parts::new());
     let site = Site::new(&bytes).unwrap();
     site.verify().unwrap();
@@ -121,7 +121,7 @@ fn what_was_written_is_read() {
 }
 
 #[test]
-fn every_truncation_and_every_flipped_byte_is_refused() {
+fn truncated_and_damaged_files_are_rejected() {
     let bytes = site();
     for len in 0..bytes.len() {
         assert!(Site::new(&bytes[..len]).is_err(), "{len} bytes");
@@ -148,7 +148,7 @@ fn every_truncation_and_every_flipped_byte_is_refused() {
 }
 
 #[test]
-fn damage_behind_a_right_checksum_is_named() {
+fn damage_with_a_valid_checksum_names_the_field() {
     let bytes = site();
     let first = HEADER_BYTES;
     let map_at = HEADER_BYTES + 2 * ENTRY_BYTES;
@@ -180,27 +180,27 @@ fn damage_behind_a_right_checksum_is_named() {
 }
 
 #[test]
-fn parts_that_do_not_belong_together_are_refused() {
+fn maps_and_plans_that_differ_are_rejected() {
     let parts = Parts::new();
     let view = |bytes| Plan::new(bytes).unwrap();
     let [map_2, map_1] = [0, 1].map(|at: usize| SiteMap::new(&parts.maps[at]).unwrap());
     let [ground, structure, attic] = [0, 1, 2].map(|at: usize| view(&parts.plans[at]));
-    let refused = |name, map, plan, second| Floor::new(name, map, plan, second).unwrap_err();
+    let error = |name, map, plan, second| Floor::new(name, map, plan, second).unwrap_err();
     for name in ["", "a name of above 23 bytes", "tab\t"] {
-        assert_eq!(refused(name, map_1, attic, None), FloorError::Name);
+        assert_eq!(error(name, map_1, attic, None), FloorError::Name);
     }
-    assert_eq!(refused("a", map_2, ground, None), FloorError::Layers);
-    assert_eq!(refused("a", map_1, attic, Some(structure)), FloorError::Layers);
-    assert_eq!(refused("a", map_1, ground, None), FloorError::PlanChecksum);
-    let moved = plan(5, Frame { resolution_nm: 50_000_001, ..FRAME });
-    assert_eq!(refused("a", map_2, ground, Some(view(&moved))), FloorError::Frame(1));
+    assert_eq!(error("a", map_2, ground, None), FloorError::Layers);
+    assert_eq!(error("a", map_1, attic, Some(structure)), FloorError::Layers);
+    assert_eq!(error("a", map_1, ground, None), FloorError::PlanChecksum);
+    let moved = plan(5, PlanGrid { resolution_nm: 50_000_001, ..GRID });
+    assert_eq!(error("a", map_2, ground, Some(view(&moved))), FloorError::Grid(1));
     let mut wider = parts.plans[0].clone();
     wider[12] -= 1;
-    assert_eq!(refused("a", map_2, view(&wider), Some(structure)), FloorError::PlanSize(0));
+    assert_eq!(error("a", map_2, view(&wider), Some(structure)), FloorError::PlanSize(0));
 }
 
 #[test]
-fn floors_that_make_no_site_are_refused() {
+fn invalid_sets_of_floors_are_rejected() {
     let parts = Parts::new();
     let floors = parts.floors();
     assert_eq!(Writer::new(&[]).unwrap_err(), SiteError::Floors);
@@ -215,9 +215,9 @@ fn floors_that_make_no_site_are_refused() {
 
 proptest! {
     #[test]
-    fn no_bytes_panic(changes in proptest::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6)) {
+    fn arbitrary_changes_do_not_panic(changes in proptest::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6)) {
         let mut bytes = site();
-        // Half of the changes go to the header, and all are hidden from its checksums.
+        // Half of the changes are in the header; its checksums are recomputed.
         let header = HEADER_BYTES + 2 * ENTRY_BYTES;
         for (number, (at, value)) in changes.iter().enumerate() {
             let reach = if number % 2 == 0 { header } else { bytes.len() };

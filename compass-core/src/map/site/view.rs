@@ -1,4 +1,4 @@
-//! Reading a site in place.
+//! Views of a site file.
 
 use super::layout::{Cursor, ENTRY_BYTES, Entry, HEADER_BYTES, NAME_BYTES, PARTS, header_checksum};
 use super::{Floor, FloorError, MAGIC, MAX_FLOORS, SiteError, VERSION};
@@ -17,11 +17,18 @@ pub struct Site<'a> {
 type Part = [u32; 2];
 
 impl<'a> Site<'a> {
-    /// Views bytes as a site. Checks all that is needed to read it, but of the checksums only the headers';
-    /// [`Site::verify`] checks the rest.
+    /// Views bytes as a site. Checks the headers of site, maps and plans, and their checksums; [`Site::verify`] checks the
+    /// checksums of the contents.
+    ///
+    /// # Formats
+    /// The [site file](super).
     ///
     /// # Errors
-    /// [`SiteError`] names the field that is wrong.
+    /// [`SiteError`], for the first field that is invalid.
+    ///
+    /// # Cost
+    /// Reads the headers of all floors, not their contents.
+    #[expect(clippy::cast_possible_truncation, reason = "at most 32 floors")]
     pub fn new(bytes: &'a [u8]) -> Result<Self, SiteError> {
         if !bytes.starts_with(&MAGIC) {
             let short = bytes.len() < MAGIC.len() && MAGIC.starts_with(bytes);
@@ -31,7 +38,7 @@ impl<'a> Site<'a> {
         site.check_layout()?;
         for (number, entry) in site.entries.iter().enumerate() {
             site.read(entry).map_err(|error| SiteError::Floor(number as u8, error))?;
-            // Behind a name are zeros: equal bytes are equal names.
+            // Names are padded with zeros: equal fields are equal names.
             let name = entry.first_chunk::<NAME_BYTES>();
             if site.entries.iter().take(number).any(|before| before.first_chunk() == name) {
                 return Err(SiteError::SameName(number as u8));
@@ -40,10 +47,13 @@ impl<'a> Site<'a> {
         Ok(site)
     }
 
-    /// Compares all checksums with the bytes, those of maps and plans included (reads everything twice).
+    /// Compares all stored checksums with those of the bytes, including those of maps and plans.
     ///
     /// # Errors
-    /// [`SiteError`] names the part whose checksum differs.
+    /// [`SiteError::Floor`] for the map or plan whose checksum differs, else [`SiteError::Checksum`].
+    ///
+    /// # Cost
+    /// Reads all bytes twice.
     pub fn verify(&self) -> Result<(), SiteError> {
         for (number, floor) in (0..).zip(self.floors()) {
             floor.verify().map_err(|error| SiteError::Floor(number, error))?;
@@ -58,31 +68,31 @@ impl<'a> Site<'a> {
         self.entries.len()
     }
 
-    /// Never true: a site without floors is refused.
+    /// Always false: [`Site::new`] rejects a site without floors.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.entries.is_empty()
     }
 
-    /// The floor of this number.
+    /// A floor by its number; `None` from [`Site::len`] on.
     #[must_use]
     pub fn floor(&self, number: usize) -> Option<Floor<'a>> {
         self.read(self.entries.get(number)?).ok()
     }
 
-    /// All floors in order.
+    /// All floors in the order of the file.
     pub fn floors(&self) -> impl Iterator<Item = Floor<'a>> + use<'a> {
         let site = *self;
         (0..site.len()).filter_map(move |number| site.floor(number))
     }
 
-    /// The bytes of the site, to be stored as they are.
+    /// The bytes of the site.
     #[must_use]
     pub const fn as_bytes(&self) -> &'a [u8] {
         self.bytes
     }
 
-    /// Every part must lie where the one before it ends, and nothing behind the last.
+    /// Checks that the parts are consecutive and fill the file.
     fn check_layout(&self) -> Result<(), SiteError> {
         let mut cursor = Cursor::new(self.entries.len());
         for (number, entry) in (0..).zip(self.entries) {
@@ -138,7 +148,7 @@ fn read_name(entry: &Entry) -> Option<&str> {
     core::str::from_utf8(name).ok()
 }
 
-/// The parts of a floor; one without bytes is absent.
+/// The parts of a floor; a field of zeros is an absent part.
 fn parts(entry: &Entry) -> [Option<Part>; PARTS] {
     let mut found = [None; PARTS];
     let fields = entry.get(NAME_BYTES..).unwrap_or_default().as_chunks::<8>().0;

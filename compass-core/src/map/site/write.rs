@@ -1,10 +1,16 @@
-//! Writing a site from floors that are there in full.
+//! The writer of a site file.
 
 use super::layout::{Cursor, ENTRY_BYTES, Entry, HEADER_BYTES, NAME_BYTES, SUMMED_BYTES, header_checksum};
 use super::{Floor, MAGIC, MAX_FLOORS, SiteError, VERSION};
 use crate::base::crc::{Sink, Summed};
 
-/// Floors that make a site, ready to be written.
+/// Writes a site file from complete floors.
+///
+/// # Formats
+/// The [site file](super).
+///
+/// # Cost
+/// Bytes are passed to the sink once, in order; 1.5 KiB of stack for the entries.
 #[derive(Debug, Clone, Copy)]
 pub struct Writer<'f, 'a> {
     floors: &'f [Floor<'a>],
@@ -12,10 +18,12 @@ pub struct Writer<'f, 'a> {
 }
 
 impl<'f, 'a> Writer<'f, 'a> {
-    /// Checks that the floors make a site.
+    /// A writer for these floors.
     ///
     /// # Errors
-    /// [`SiteError::Floors`], [`SiteError::SameName`], and [`SiteError::Length`] for 4 GiB or more.
+    /// [`SiteError::Floors`] for 0 or more than [`MAX_FLOORS`] floors, [`SiteError::SameName`] for two floors of one name,
+    /// [`SiteError::Length`] for 4 GiB or more.
+    #[expect(clippy::cast_possible_truncation, reason = "at most 32 floors")]
     pub fn new(floors: &'f [Floor<'a>]) -> Result<Self, SiteError> {
         if !(1..=MAX_FLOORS).contains(&floors.len()) {
             return Err(SiteError::Floors);
@@ -32,16 +40,16 @@ impl<'f, 'a> Writer<'f, 'a> {
         Ok(Self { floors, site_bytes: cursor.site_bytes().ok_or(SiteError::Length)? })
     }
 
-    /// Bytes of the whole site.
+    /// Length of the site file in bytes.
     #[must_use]
     pub const fn site_bytes(&self) -> usize {
         self.site_bytes
     }
 
-    /// Writes the site and gives the sink back.
+    /// Writes the site and returns the sink.
     ///
     /// # Errors
-    /// What the sink reports.
+    /// The error of the sink.
     pub fn write<S: Sink>(&self, sink: S) -> Result<S, S::Error> {
         let mut entries = [[0; ENTRY_BYTES]; MAX_FLOORS];
         let mut cursor = Cursor::new(self.floors.len());
@@ -60,6 +68,7 @@ impl<'f, 'a> Writer<'f, 'a> {
     }
 }
 
+#[expect(clippy::cast_possible_truncation, reason = "at most 32 floors")]
 fn header(entries: &[Entry]) -> [u8; HEADER_BYTES] {
     let mut bytes = [0; HEADER_BYTES];
     let (summed, crc) = bytes.split_at_mut(SUMMED_BYTES);
@@ -71,16 +80,20 @@ fn header(entries: &[Entry]) -> [u8; HEADER_BYTES] {
     bytes
 }
 
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "names have at most 23 bytes, parts fewer than 2^32: checked by `Writer::new`"
+)]
 fn entry_of(floor: &Floor<'_>, cursor: &mut Cursor) -> Entry {
     let mut entry = [0; ENTRY_BYTES];
     let (name, parts) = entry.split_at_mut(NAME_BYTES);
-    // At most 23 bytes, as every floor's.
+    // At most 23 bytes: checked by `Floor::new`.
     let field = core::iter::once(floor.name().len() as u8).chain(floor.name().bytes());
     for (byte, value) in name.iter_mut().zip(field) {
         *byte = value;
     }
     for (field, part) in parts.as_chunks_mut::<8>().0.iter_mut().zip(floor.parts()) {
-        // Lengths were counted when the writer was made.
+        // At most 4 GiB in total: checked by `Writer::new`.
         let len = part.len() as u32;
         let [o0, o1, o2, o3] = cursor.place(len).unwrap_or(0).to_le_bytes();
         let [l0, l1, l2, l3] = len.to_le_bytes();

@@ -1,4 +1,4 @@
-//! The map of candidate positions as bytes: read in place, written through a small sink.
+//! The site map: candidate positions of a floor with their scans. Read in place, written through a [`Sink`].
 //!
 //! # Format
 //! All numbers are little-endian.
@@ -12,14 +12,14 @@
 //! | 12 | 4 | number of candidates |
 //! | 16 | 4 | cell side of the plan in nanometres |
 //! | 20 | 4 | candidate spacing in millimetres |
-//! | 24 | 8 | x of the plan's origin, bits of [`Metres`](crate::base::num::Metres) |
-//! | 32 | 8 | y of it |
+//! | 24 | 8 | x of the origin of the plan, bits of [`Metres`](crate::base::num::Metres) |
+//! | 32 | 8 | y of the origin |
 //! | 40 | 4 | width of the plan in cells |
 //! | 44 | 4 | height of the plan in cells |
-//! | 48 | 4 | CRC-32 (ISO-HDLC) of the wall and window masks' packed plan |
-//! | 52 | 4 | CRC-32 of bytes 0..52 |
+//! | 48 | 4 | checksum of the packed plan that layer 0 was cast from |
+//! | 52 | 4 | CRC-32 (ISO-HDLC) of bytes 0..52 |
 //! | 56 | n (4 + 445 layers) | candidates |
-//! | end - 4 | 4 | CRC-32 of everything before it |
+//! | end - 4 | 4 | CRC-32 of all bytes before it |
 //!
 //! A candidate is its plan cell (column, row from the south, 2 bytes each), then per layer:
 //!
@@ -29,8 +29,8 @@
 //! | 16 | 24 | [`Sketch`](crate::descriptor::sketch::Sketch) |
 //! | 40 | 405 | [`PackedScan`], cast with heading 0 |
 //!
-//! Layer 0 is cast from the plan as drawn; layer 1, when there is one, from its structure alone: what stands
-//! before the fit-out does. Readers that know one layer read the first.
+//! Layer 0 is cast from the plan as drawn. Layer 1, if present, is cast from the structure alone: the building before
+//! its fit-out.
 
 mod packed;
 mod view;
@@ -49,33 +49,33 @@ const VERSION: u16 = 1;
 const HEADER_BYTES: usize = 56;
 const TRAILER_BYTES: usize = 4;
 const CELL_BYTES: usize = 4;
-/// Bytes of a transition signature.
+/// Length of a transition signature.
 pub const SIGNATURE_BYTES: usize = 16;
-/// Bytes of a sketch.
+/// Length of a sketch.
 pub const SKETCH_BYTES: usize = 24;
-/// Bytes of one layer of a candidate.
+/// Length of one layer of a candidate.
 pub const LAYER_BYTES: usize = SIGNATURE_BYTES + SKETCH_BYTES + PACKED_SCAN_BYTES;
 
-/// Why bytes are no site map, or one could not be written.
+/// Errors of reading a site map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[non_exhaustive]
 pub enum SiteMapError {
     /// The bytes do not begin with the magic of a site map.
     Magic,
-    /// The map was written in this other version of the format.
+    /// The version of the format is not supported.
     Version(u16),
-    /// The header's checksum does not match it.
+    /// The checksum of the header does not match.
     HeaderChecksum,
     /// The number of layers is neither 1 nor 2.
     Layers,
-    /// There is no candidate, or more than the format can count.
+    /// The number of candidates is zero or exceeds the address range.
     Candidates,
     /// The resolution lies outside 0.001 m to 4 m per cell.
     Resolution,
-    /// The number of bytes is not what the header asks for.
+    /// The number of bytes does not match the header.
     Length,
-    /// The checksum of the whole does not match.
+    /// The checksum of the map does not match.
     Checksum,
 }
 

@@ -1,7 +1,7 @@
 use super::*;
 use crate::base::num::{BINS, Metres, Point};
 use crate::base::scan::{Hit, Scan};
-use crate::map::plan::Frame;
+use crate::map::plan::PlanGrid;
 use std::vec::Vec;
 
 impl Sink for Vec<u8> {
@@ -21,7 +21,7 @@ fn scan(seed: usize) -> Scan {
     scan
 }
 
-/// A layer whose signature and sketch are bytes of this value: the map does not look into them.
+/// A layer with constant signature and sketch, which the map does not interpret.
 fn layer(scan: &Scan, digest: u8) -> Layer {
     Layer::new(&PackedScan::new(scan), &[digest; SIGNATURE_BYTES], &[digest + 1; SKETCH_BYTES])
 }
@@ -30,7 +30,7 @@ fn header() -> Header {
     Header {
         candidates: 3,
         layers: 1,
-        frame: Frame {
+        grid: PlanGrid {
             resolution_nm: 10_000_000,
             origin: Point::new(Metres::from_num(-5), Metres::from_num(2)),
         },
@@ -49,7 +49,7 @@ fn map() -> Vec<u8> {
 }
 
 #[test]
-fn what_was_written_is_read() {
+fn a_written_map_is_read_back() {
     let bytes = map();
     assert_eq!(Some(bytes.len()), header().map_bytes());
     let map = SiteMap::new(&bytes).unwrap();
@@ -71,7 +71,7 @@ fn what_was_written_is_read() {
 }
 
 #[test]
-fn each_layer_is_read() {
+fn all_layers_are_read_back() {
     let mut writer = Writer::new(Vec::new(), &Header { candidates: 2, layers: 2, ..header() }).unwrap();
     for index in 0..2_u16 {
         let layer = |seed: usize| layer(&scan(usize::from(index) + seed), seed as u8);
@@ -91,7 +91,7 @@ fn each_layer_is_read() {
 }
 
 #[test]
-fn every_truncation_and_every_flipped_byte_is_refused() {
+fn truncated_and_damaged_maps_are_rejected() {
     let bytes = map();
     for len in 0..bytes.len() {
         assert!(SiteMap::new(&bytes[..len]).is_err(), "{len} bytes");

@@ -1,4 +1,4 @@
-//! Reading a site map in place.
+//! Views of a site map and its candidates.
 
 use super::packed::{PACKED_SCAN_BYTES, unpack};
 use super::{
@@ -8,9 +8,9 @@ use super::{
 use crate::base::crc::CRC32;
 use crate::base::num::{Metres, Point};
 use crate::base::scan::Scan;
-use crate::map::plan::Frame;
+use crate::map::plan::PlanGrid;
 
-/// A map of candidate positions, borrowed from memory, a mapped file or flash.
+/// A site map, borrowed from memory, a mapped file or flash.
 #[derive(Debug, Clone, Copy)]
 pub struct SiteMap<'a> {
     bytes: &'a [u8],
@@ -19,7 +19,7 @@ pub struct SiteMap<'a> {
     record_bytes: usize,
 }
 
-/// One candidate of a map.
+/// A candidate of a site map.
 #[derive(Debug, Clone, Copy)]
 pub struct Record<'a> {
     cell: [u16; 2],
@@ -27,17 +27,23 @@ pub struct Record<'a> {
     rest: &'a [u8],
 }
 
-/// One layer of a candidate.
+/// A layer of a candidate.
 #[derive(Debug, Clone, Copy)]
 pub struct LayerView<'a>(&'a [u8; LAYER_BYTES]);
 
 impl<'a> SiteMap<'a> {
-    /// Views bytes as a site map. Checks the header and the lengths; [`SiteMap::verify`] checks the rest.
+    /// Views bytes as a site map. Checks header and lengths, not the checksum of the candidates: see [`SiteMap::verify`].
     ///
-    /// Damaged candidates cannot do harm: they match wrongly, or not at all.
+    /// Damaged candidates are not detected here; they give wrong scans, never a panic.
+    ///
+    /// # Formats
+    /// The [site map](super).
     ///
     /// # Errors
-    /// [`SiteMapError`] names the field that is wrong.
+    /// [`SiteMapError`], for the first field that is invalid.
+    ///
+    /// # Cost
+    /// Constant: reads the header alone.
     pub fn new(bytes: &'a [u8]) -> Result<Self, SiteMapError> {
         if !bytes.starts_with(&MAGIC) {
             let short = bytes.len() < MAGIC.len() && MAGIC.starts_with(bytes);
@@ -53,10 +59,13 @@ impl<'a> SiteMap<'a> {
         Ok(Self { bytes, header, records, record_bytes })
     }
 
-    /// Compares the checksum of the whole with the bytes (reads all of them).
+    /// Compares the stored checksum with that of the bytes.
     ///
     /// # Errors
-    /// [`SiteMapError::Checksum`] when they differ.
+    /// [`SiteMapError::Checksum`] if they differ.
+    ///
+    /// # Cost
+    /// Reads all bytes once.
     pub fn verify(&self) -> Result<(), SiteMapError> {
         let (body, trailer) = self.bytes.split_last_chunk().ok_or(SiteMapError::Length)?;
         if CRC32.checksum(body) == u32::from_le_bytes(*trailer) {
@@ -66,13 +75,13 @@ impl<'a> SiteMap<'a> {
         }
     }
 
-    /// The bytes of the map, to be stored as they are.
+    /// The bytes of the map.
     #[must_use]
     pub const fn as_bytes(&self) -> &'a [u8] {
         self.bytes
     }
 
-    /// What the map says of itself.
+    /// The header.
     #[must_use]
     pub const fn header(&self) -> &Header {
         &self.header
@@ -84,13 +93,13 @@ impl<'a> SiteMap<'a> {
         self.header.candidates as usize
     }
 
-    /// Never true: a map without candidates is refused.
+    /// Always false: [`SiteMap::new`] rejects a map without candidates.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.header.candidates == 0
     }
 
-    /// The candidate of this number.
+    /// A candidate by its index; `None` from [`SiteMap::len`] on.
     #[must_use]
     pub fn get(&self, index: usize) -> Option<Record<'a>> {
         let start = index.checked_mul(self.record_bytes)?;
@@ -101,28 +110,28 @@ impl<'a> SiteMap<'a> {
         Some(Record { cell, first: LayerView(first), rest })
     }
 
-    /// All candidates in order.
+    /// All candidates in the order of the file.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = Record<'a>> + use<'a> {
         let map = *self;
         let empty = Record { cell: [0; 2], first: LayerView(&[0; LAYER_BYTES]), rest: &[] };
         (0..self.len()).map(move |index| map.get(index).unwrap_or(empty))
     }
 
-    /// The position of a candidate in the map.
+    /// The position of a candidate in the coordinates of the floor, metres.
     #[must_use]
     pub fn position(&self, index: usize) -> Option<Point> {
-        self.get(index).map(|record| self.header.frame.cell_centre(record.cell[0], record.cell[1]))
+        self.get(index).map(|record| self.header.grid.cell_centre(record.cell[0], record.cell[1]))
     }
 }
 
 impl<'a> Record<'a> {
-    /// Plan cell: column, row from the south.
+    /// Plan cell: column from the west, row from the south.
     #[must_use]
     pub const fn cell(&self) -> [u16; 2] {
         self.cell
     }
 
-    /// The layer of this number; `None` when the map has fewer.
+    /// A layer: 0 plan, 1 structure; `None` for a layer that the map does not have.
     #[must_use]
     pub fn layer(&self, number: usize) -> Option<LayerView<'a>> {
         match number.checked_sub(1) {
@@ -131,7 +140,7 @@ impl<'a> Record<'a> {
         }
     }
 
-    /// Layer 0.
+    /// Layer 0: the plan as drawn.
     #[must_use]
     pub const fn plan_layer(&self) -> LayerView<'a> {
         self.first
@@ -156,7 +165,7 @@ impl<'a> LayerView<'a> {
         self.0.get(SIGNATURE_BYTES..).and_then(<[u8]>::first_chunk).unwrap_or(&[0; SKETCH_BYTES])
     }
 
-    /// The scan as it is stored.
+    /// The bytes of the packed scan.
     pub(crate) fn packed(&self) -> Option<&'a [u8; PACKED_SCAN_BYTES]> {
         self.0.last_chunk()
     }
@@ -169,6 +178,10 @@ impl<'a> LayerView<'a> {
     }
 }
 
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "fields of 16 and 8 bits at the beginning of the words read"
+)]
 fn read_header(bytes: &[u8]) -> Result<Header, SiteMapError> {
     let header: &[u8; HEADER_BYTES] = bytes.first_chunk().ok_or(SiteMapError::Length)?;
     let u32_at = |at: usize| {
@@ -187,11 +200,11 @@ fn read_header(bytes: &[u8]) -> Result<Header, SiteMapError> {
     if CRC32.checksum(body) != u32::from_le_bytes(*crc) {
         return Err(SiteMapError::HeaderChecksum);
     }
-    let frame = Frame { resolution_nm: u32_at(16)?, origin: Point::new(i64_at(24)?, i64_at(32)?) };
+    let grid = PlanGrid { resolution_nm: u32_at(16)?, origin: Point::new(i64_at(24)?, i64_at(32)?) };
     let found = Header {
         layers: u32_at(10)? as u8,
         candidates: u32_at(12)?,
-        frame,
+        grid,
         spacing_mm: u32_at(20)?,
         plan_size: [u32_at(40)?, u32_at(44)?],
         plan_checksum: u32_at(48)?,
@@ -202,7 +215,7 @@ fn read_header(bytes: &[u8]) -> Result<Header, SiteMapError> {
     if found.candidates == 0 {
         return Err(SiteMapError::Candidates);
     }
-    if !crate::map::plan::RESOLUTION_NM.contains(&frame.resolution_nm) {
+    if !crate::map::plan::RESOLUTION_NM.contains(&grid.resolution_nm) {
         return Err(SiteMapError::Resolution);
     }
     Ok(found)

@@ -1,31 +1,31 @@
-//! Writing a site map, candidate by candidate.
+//! The writer of a site map.
 
 use super::{
     CELL_BYTES, HEADER_BYTES, LAYER_BYTES, MAGIC, PackedScan, SIGNATURE_BYTES, SKETCH_BYTES, TRAILER_BYTES,
     VERSION,
 };
 use crate::base::crc::{CRC32, Sink, Summed};
-use crate::map::plan::Frame;
+use crate::map::plan::PlanGrid;
 
-/// What a map says of itself.
+/// The header of a site map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Header {
     /// Number of candidates.
     pub candidates: u32,
     /// Layers per candidate, 1 or 2.
     pub layers: u8,
-    /// Resolution and origin of the plan.
-    pub frame: Frame,
-    /// Distance between candidates in millimetres.
+    /// Grid of the plan: resolution and origin.
+    pub grid: PlanGrid,
+    /// Spacing of the candidates in millimetres.
     pub spacing_mm: u32,
     /// Width and height of the plan in cells.
     pub plan_size: [u32; 2],
-    /// Checksum of the packed plan.
+    /// Checksum of the packed plan that layer 0 was cast from.
     pub plan_checksum: u32,
 }
 
 impl Header {
-    /// Bytes of the whole map; `None` when it is more than this machine can address.
+    /// Length of the whole map in bytes; `None` above the range of `usize`.
     #[must_use]
     pub fn map_bytes(&self) -> Option<usize> {
         let record = CELL_BYTES + usize::from(self.layers) * LAYER_BYTES;
@@ -46,10 +46,10 @@ impl Header {
         put(&VERSION.to_le_bytes());
         put(&[self.layers, 0]);
         put(&self.candidates.to_le_bytes());
-        put(&self.frame.resolution_nm.to_le_bytes());
+        put(&self.grid.resolution_nm.to_le_bytes());
         put(&self.spacing_mm.to_le_bytes());
-        put(&self.frame.origin.x.to_bits().to_le_bytes());
-        put(&self.frame.origin.y.to_bits().to_le_bytes());
+        put(&self.grid.origin.x.to_bits().to_le_bytes());
+        put(&self.grid.origin.y.to_bits().to_le_bytes());
         put(&self.plan_size[0].to_le_bytes());
         put(&self.plan_size[1].to_le_bytes());
         put(&self.plan_checksum.to_le_bytes());
@@ -59,25 +59,34 @@ impl Header {
     }
 }
 
-/// Writes a map: the header at once, then every candidate, then [`Writer::finish`].
+/// Writes a site map: [`Writer::new`] writes the header, [`Writer::candidate`] one candidate, [`Writer::finish`] the
+/// checksum.
+///
+/// # Formats
+/// The [site map](super).
+///
+/// # Cost
+/// Bytes are passed to the sink once, in order; nothing is buffered.
 #[derive(Debug)]
 pub struct Writer<S>(Summed<S>);
 
 impl<S: Sink> Writer<S> {
-    /// Begins a map. As many candidates as the header says must follow; the reader finds out.
+    /// Writes the header. [`Header::candidates`] candidates must follow; a different number is detected by the reader, not
+    /// here.
     ///
     /// # Errors
-    /// What the sink reports.
+    /// The error of the sink.
     pub fn new(sink: S, header: &Header) -> Result<Self, S::Error> {
         let mut out = Summed::new(sink);
         out.append(&header.to_bytes())?;
         Ok(Self(out))
     }
 
-    /// Appends one candidate: its plan cell and one scan per layer, cast with heading 0.
+    /// Appends one candidate: its plan cell (column from the west, row from the south) and one scan per layer, cast with
+    /// heading 0.
     ///
     /// # Errors
-    /// What the sink reports.
+    /// The error of the sink.
     pub fn candidate(&mut self, cell: [u16; 2], layers: &[Layer]) -> Result<(), S::Error> {
         self.0.append(&cell[0].to_le_bytes())?;
         self.0.append(&cell[1].to_le_bytes())?;
@@ -87,21 +96,21 @@ impl<S: Sink> Writer<S> {
         Ok(())
     }
 
-    /// Ends the map and gives the sink back.
+    /// Writes the checksum and returns the sink.
     ///
     /// # Errors
-    /// What the sink reports.
+    /// The error of the sink.
     pub fn finish(self) -> Result<S, S::Error> {
         self.0.finish()
     }
 }
 
-/// One layer of a candidate, ready to be written.
+/// A layer of a candidate, in the format of the map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Layer([u8; LAYER_BYTES]);
 
 impl Layer {
-    /// A scan cast with heading 0, with its signature and its sketch: see
+    /// A layer from a scan cast with heading 0, its signature and its sketch: see
     /// [`layer_of`](crate::descriptor::layer_of).
     #[must_use]
     pub fn new(scan: &PackedScan, signature: &[u8; SIGNATURE_BYTES], sketch: &[u8; SKETCH_BYTES]) -> Self {

@@ -6,7 +6,7 @@ use std::vec::Vec;
 
 const ONWARDS: Motion = Motion { forward_m: 0.2, left_m: 0.0, turn: 0.0 };
 
-fn mode(x: f64, y: f64, degrees: i64, score: i32) -> ScoredPose {
+fn pose(x: f64, y: f64, degrees: i64, score: i32) -> ScoredPose {
     ScoredPose {
         layer: 0,
         at: point(x, y),
@@ -15,7 +15,7 @@ fn mode(x: f64, y: f64, degrees: i64, score: i32) -> ScoredPose {
     }
 }
 
-/// What is seen at a pose, and the pose as a frame by itself would give it.
+/// Noisy evidence at a pose, and the pose refined in it.
 fn seen(building: &Building, x: f64, y: f64, degrees: i64, seed: u32) -> (Box<EvidenceTable>, ScoredPose) {
     let layer = building.layer();
     let mut scan = Scan::OPEN;
@@ -26,30 +26,30 @@ fn seen(building: &Building, x: f64, y: f64, degrees: i64, seed: u32) -> (Box<Ev
         state >> 8
     };
     let table = evidence(&scan, &mut random);
-    let found = refine(&table, &layer, mode(x, y, degrees, 0));
+    let found = refine(&table, &layer, pose(x, y, degrees, 0));
     (table, found)
 }
 
-fn is_at(estimate: Option<Estimate>, mode: &ScoredPose) -> bool {
+fn is_at(estimate: Option<Estimate>, pose: &ScoredPose) -> bool {
     let separation = Separation { distance: Metres::from_bits(3 << 30), turn: Turn::from_ratio(15, 360) };
-    estimate.is_some_and(|e| separation.is_near(e.mode.place(), mode.place()))
+    estimate.is_some_and(|e| separation.is_near(e.pose.place(), pose.place()))
 }
 
-/// A frame of half a second.
+/// A frame 0.5 s after the former one.
 fn frame<'a>(table: &'a EvidenceTable, poses: &'a [ScoredPose], motion: Option<Motion>) -> Observation<'a> {
     Observation { table, poses, seconds: 0.5, motion }
 }
 
 #[test]
-fn odometry_tells_two_equal_poses_apart() {
+fn odometry_distinguishes_two_equal_poses() {
     let building = Building::new();
     let layers = [building.layer()];
     let mut track = Track::new();
-    let first = [mode(1.5, 1.5, 0, 900), mode(9.0, 4.0, 90, 900)];
+    let first = [pose(1.5, 1.5, 0, 900), pose(9.0, 4.0, 90, 900)];
     let start = track.step(&layers, &frame(&EvidenceTable::EMPTY, &first, None)).unwrap();
     assert!((start.probability - 0.5).abs() < 0.01 && start.spread_m > 4.0, "{start:?}");
-    // The first went where the odometry says, the second sideways.
-    let second = [mode(8.0, 4.0, 90, 900), mode(2.5, 1.5, 0, 900)];
+    // The first pose moved as the odometry says, the second sideways.
+    let second = [pose(8.0, 4.0, 90, 900), pose(2.5, 1.5, 0, 900)];
     let motion = Some(Motion { forward_m: 1.0, ..Motion::default() });
     let end = track.step(&layers, &frame(&EvidenceTable::EMPTY, &second, motion));
     assert!(is_at(end, &second[1]), "{end:?}");
@@ -57,7 +57,7 @@ fn odometry_tells_two_equal_poses_apart() {
 }
 
 #[test]
-fn three_wrong_frames_do_not_lead_astray() {
+fn three_wrong_frames_do_not_mislead_the_track() {
     let building = Building::new();
     let layers = [building.layer()];
     for motion in [None, Some(ONWARDS)] {
@@ -65,11 +65,11 @@ fn three_wrong_frames_do_not_lead_astray() {
         for n in 0..8_u32 {
             let x = 6.0 + 0.2 * f64::from(n);
             let (table, truth) = seen(&building, x, 1.2, 0, n);
-            // Frames 3 to 5 find something else alone, each elsewhere, 50 nats above the truth.
-            let wrong = mode(1.5 + f64::from(n % 3), 2.0, 120 * i64::from(n), truth.score.to_bits() + 800);
+            // Frames 3 to 5 give one wrong pose each, at different positions, 50 nats above the true one.
+            let wrong = pose(1.5 + f64::from(n % 3), 2.0, 120 * i64::from(n), truth.score.to_bits() + 800);
             let found = [if (3..6).contains(&n) { wrong } else { truth }];
             let estimate = track.step(&layers, &frame(&table, &found, motion));
-            assert!(is_at(estimate, &mode(x, 1.2, 0, 0)), "frame {n}, {motion:?}: {estimate:?}");
+            assert!(is_at(estimate, &pose(x, 1.2, 0, 0)), "frame {n}, {motion:?}: {estimate:?}");
         }
     }
 }
@@ -90,7 +90,7 @@ fn a_jump_is_followed() {
             track.step(&layers, &frame(&table, &[found], Some(ONWARDS)))
         })
         .collect();
-    assert!(is_at(estimates[2], &mode(1.9, 5.0, 0, 0)), "{estimates:?}");
+    assert!(is_at(estimates[2], &pose(1.9, 5.0, 0, 0)), "{estimates:?}");
 }
 
 #[test]
@@ -102,9 +102,9 @@ fn a_bank_is_bounded_and_repeatable() {
         for n in 0..3_u32 {
             let (table, _) = seen(&building, 6.0, 1.2, 0, n);
             let grid =
-                (0..300).map(|k| mode(0.5 + 0.5 * f64::from(k % 20), 0.5 + 0.5 * f64::from(k / 20), 0, k));
-            let modes: Vec<_> = grid.collect();
-            track.step(&layers, &frame(&table, &modes, None));
+                (0..300).map(|k| pose(0.5 + 0.5 * f64::from(k % 20), 0.5 + 0.5 * f64::from(k / 20), 0, k));
+            let poses: Vec<_> = grid.collect();
+            track.step(&layers, &frame(&table, &poses, None));
         }
         track.hypotheses().collect::<Vec<_>>()
     };
@@ -117,21 +117,21 @@ fn a_bank_is_bounded_and_repeatable() {
 }
 
 #[test]
-fn nonsense_is_harmless() {
+fn values_that_are_not_finite_do_not_panic() {
     let building = Building::new();
     let layers = [building.layer()];
     let mut track = Track::new();
     assert_eq!(track.step(&layers, &frame(&EvidenceTable::EMPTY, &[], None)), None);
-    let modes = [
-        mode(1.5, 1.5, 0, i32::MAX),
-        mode(3.0, 1.5, 0, i32::MIN),
-        ScoredPose { layer: 9, ..mode(0.0, 0.0, 0, 0) },
-        ScoredPose { at: Point::new(Metres::MAX, Metres::MIN), ..mode(0.0, 0.0, 0, 0) },
+    let poses = [
+        pose(1.5, 1.5, 0, i32::MAX),
+        pose(3.0, 1.5, 0, i32::MIN),
+        ScoredPose { layer: 9, ..pose(0.0, 0.0, 0, 0) },
+        ScoredPose { at: Point::new(Metres::MAX, Metres::MIN), ..pose(0.0, 0.0, 0, 0) },
     ];
     for value in [f32::NAN, f32::INFINITY, f32::MIN, 1e30, -1.0] {
         let motion = Motion { forward_m: value, left_m: value, turn: value };
         for motion in [Some(motion), None] {
-            let frame = Observation { table: &EvidenceTable::EMPTY, poses: &modes, seconds: value, motion };
+            let frame = Observation { table: &EvidenceTable::EMPTY, poses: &poses, seconds: value, motion };
             assert!(track.step(&layers, &frame).is_some_and(|e| e.probability > 0.0));
         }
     }

@@ -14,7 +14,7 @@ use compass_core::descriptor::spectrum::{self, Correlator, Extent};
 use compass_core::descriptor::windows as paper;
 use compass_core::descriptor::{Descriptor, channels};
 use compass_core::locator::{self, Locator, Prior, Settings};
-use compass_core::map::plan::{self, Frame, MarchError, Plan};
+use compass_core::map::plan::{self, MarchError, Plan, PlanGrid};
 use compass_core::map::site::{self, Floor, Site};
 use compass_core::map::site_map::{self, Header, Layer, LayerView, PackedScan, Record, Sink, SiteMap};
 use compass_core::pose::evidence;
@@ -75,7 +75,7 @@ pub(crate) static ALL: &[Entry] = &entries![
     Plan::scan,
     cast,
     Plan::cell_centre,
-    Frame::cell_centre,
+    PlanGrid::cell_centre,
     // descriptor, spectrum
     Descriptor::fill,
     channels::hit_level,
@@ -156,10 +156,10 @@ pub(crate) static ALL: &[Entry] = &entries![
     pose::refine_final,
     pose::refine,
     pose::refine_fine,
-    pose::answer,
-    pose::Answer::modes,
-    pose::Answer::best,
-    pose::Answer::margin,
+    pose::select_alternatives,
+    pose::Alternatives::poses,
+    pose::Alternatives::best,
+    pose::Alternatives::margin,
     // camera
     KannalaBrandt::new,
     Eucm::new,
@@ -228,6 +228,7 @@ pub(crate) static ALL: &[Entry] = &entries![
     wall_check::compare,
     // locate, track
     locate::locate,
+    pose::Headings::search,
     Fix::pose,
     Fix::floor_name,
     Fix::camera_height_m,
@@ -318,7 +319,7 @@ fn visit_edges(segments: &mut [VerticalSegment], resolution: Resolution, visit: 
 }
 
 fn hypotheses(track: &Track, visit: &mut dyn FnMut(ScoredPose, f32)) {
-    track.hypotheses().for_each(|(mode, probability)| visit(mode, probability));
+    track.hypotheses().for_each(|(pose, probability)| visit(pose, probability));
 }
 
 fn run_locator<'a>(
@@ -359,5 +360,5 @@ fn recall(
     fill: &mut dyn FnMut(&mut EvidenceTable),
 ) -> usize {
     black_box(locator.recall(boundaries, windows).locate(compass_core::HeightPrior::camera(1.6)).is_sure());
-    locator.explain(|table| fill(table)).modes().len()
+    locator.explain(|table| fill(table)).poses().len()
 }

@@ -1,8 +1,8 @@
 //! What the firmware of the same name finds, on the host or on (emulated) ARM Linux: `localize SITE SHOT...`.
 
-use compass_core::vision::shot::Shot;
-use compass_core::map::site::Site;
 use compass_core::locator::Error as LocatorError;
+use compass_core::map::site::Site;
+use compass_core::vision::shot::Shot;
 use compass_golden::Shots;
 use std::error::Error;
 use std::process::ExitCode;

@@ -1,0 +1,69 @@
+//! Selection of the best poses that are separated: non-maximum suppression over position and heading.
+
+use super::search::{FloorLayer, pose_of};
+use crate::base::num::Nats;
+use crate::base::order;
+use crate::base::pose::{MAX_ALTERNATIVES, ScoredPose, Separation};
+
+/// The best pose and its alternatives, by descending score.
+#[derive(Debug, Clone)]
+pub struct Alternatives {
+    poses: heapless::Vec<ScoredPose, MAX_ALTERNATIVES>,
+}
+
+impl Alternatives {
+    /// No pose.
+    pub(crate) const fn nothing() -> Self {
+        Self { poses: heapless::Vec::new() }
+    }
+
+    /// The best pose and its alternatives, at most [`MAX_ALTERNATIVES`]. Any two are on different floors, or at least 1 m
+    /// or 20 degrees apart.
+    #[must_use]
+    pub fn poses(&self) -> &[ScoredPose] {
+        &self.poses
+    }
+
+    /// The best pose.
+    #[must_use]
+    pub fn best(&self) -> Option<&ScoredPose> {
+        self.poses.first()
+    }
+
+    /// The best score; [`Nats::MIN`] without a pose.
+    pub(crate) fn score(&self) -> Nats {
+        self.best().map_or(Nats::MIN, |pose| pose.score)
+    }
+
+    /// Difference of the best and the second best score. Without a second pose it is the best score itself, which is
+    /// relative to a table of zeros; without any pose it is 0.
+    #[must_use]
+    pub fn margin(&self) -> Nats {
+        let score = |at: usize| self.poses.get(at).map_or(Nats::ZERO, |pose| pose.score);
+        score(0).saturating_sub(score(1))
+    }
+}
+
+/// Sorts [refined](super::refine()) poses by score and keeps the best ones that are separated by
+/// [`Separation::ALTERNATIVES`] (non-maximum suppression).
+///
+/// Two layers of one floor share coordinates: of one pose on both, the better layer remains. Poses whose layer does not
+/// exist and poses of score [`Nats::MIN`] are dropped.
+///
+/// # Cost
+/// A heap sort of `poses`, then at most [`MAX_ALTERNATIVES`] comparisons per pose.
+#[must_use]
+pub fn select_alternatives(layers: &[FloorLayer<'_>], poses: &mut [ScoredPose]) -> Alternatives {
+    order::sort_by_key(poses, ScoredPose::order);
+    let mut kept: heapless::Vec<ScoredPose, MAX_ALTERNATIVES> = heapless::Vec::new();
+    for scored in poses.iter().filter(|scored| scored.score > Nats::MIN) {
+        let Some(pose) = pose_of(layers, scored) else { continue };
+        let is_near = |other: &ScoredPose| {
+            pose_of(layers, other).is_some_and(|other| Separation::ALTERNATIVES.joins(&pose, &other))
+        };
+        if !kept.iter().any(is_near) && kept.push(*scored).is_err() {
+            break;
+        }
+    }
+    Alternatives { poses: kept }
+}
