@@ -3,7 +3,7 @@
 use crate::failure::Failure;
 use compass_core::Settings;
 use compass_core::locator::Smoothing;
-use compass_core::pose::locate::{Effort, MAX_MODES};
+use compass_core::pose::locate::{Effort, MAX_REFINED};
 use compass_core::pose::{Headings, MAX_POOL};
 use compass_core::vision::boundary::MAX_CEILINGS;
 use compass_core::vision::panorama::Resolution;
@@ -45,15 +45,15 @@ pub struct AnySmoothing(pub(crate) i32);
 #[derive(Debug, Clone, Copy)]
 pub struct CompassEffort {
     /// Poses that are refined, 1 to 48.
-    pub modes: u8,
+    pub refined_poses: u8,
     /// Poses of these that are refined to the end, 1 to 48: the others are right to a decimetre or two.
-    pub settled: u8,
+    pub refined_fully: u8,
     /// Heights of the ceiling that are tried until an answer is sure, 1 to 4.
     pub ceilings: u8,
     /// Stride of the rays that coarse refinement casts, 4 to 36.
     pub rays: u8,
     /// 1 if an answer that is not sure is sought once more with twice as many camera heights, else 0.
-    pub again: u8,
+    pub finer_heights: u8,
 }
 
 /// How the pipeline works. Start from compass_settings and change what differs.
@@ -93,7 +93,7 @@ const LEAST_POOL: u32 = 64;
 /// Strides of rays that leave 10 of 360 at least.
 const RAYS: [u32; 2] = [4, 36];
 
-const _: () = assert!(MAX_MODES == 48 && MAX_CEILINGS == 4 && MAX_POOL == 4096, "as the comments say");
+const _: () = assert!(MAX_REFINED == 48 && MAX_CEILINGS == 4 && MAX_POOL == 4096, "as the comments say");
 
 impl CompassSettings {
     /// The values of a preset; for another number settings that are refused.
@@ -125,7 +125,7 @@ impl CompassSettings {
 
     /// No preset: refused.
     const NONE: Self = {
-        const EFFORT: CompassEffort = CompassEffort { modes: 0, settled: 0, ceilings: 0, rays: 0, again: 0 };
+        const EFFORT: CompassEffort = CompassEffort { refined_poses: 0, refined_fully: 0, ceilings: 0, rays: 0, finer_heights: 0 };
         Self {
             preset: AnyPreset(0),
             smoothing: AnySmoothing(0),
@@ -188,24 +188,24 @@ impl CompassSettings {
 
 impl CompassEffort {
     const fn new(effort: &Effort) -> Self {
-        let Effort { modes, settled, ceilings, rays, again } = *effort;
+        let Effort { refined_poses, refined_fully, ceilings, rays, finer_heights } = *effort;
         Self {
-            modes: modes as u8,
-            settled: settled as u8,
+            refined_poses: refined_poses as u8,
+            refined_fully: refined_fully as u8,
             ceilings: ceilings as u8,
             rays: rays as u8,
-            again: again as u8,
+            finer_heights: finer_heights as u8,
         }
     }
 
     fn check(&self) -> Result<Effort, Failure> {
-        let modes = [1, MAX_MODES as u32];
+        let refined_poses = [1, MAX_REFINED as u32];
         Ok(Effort {
-            modes: ranged("effort.modes", self.modes.into(), modes)?,
-            settled: ranged("effort.settled", self.settled.into(), modes)?,
+            refined_poses: ranged("effort.refined_poses", self.refined_poses.into(), refined_poses)?,
+            refined_fully: ranged("effort.refined_fully", self.refined_fully.into(), refined_poses)?,
             ceilings: ranged("effort.ceilings", self.ceilings.into(), [1, MAX_CEILINGS as u32])?,
             rays: ranged("effort.rays", self.rays.into(), RAYS)?,
-            again: flag("effort.again", self.again)?,
+            finer_heights: flag("effort.finer_heights", self.finer_heights)?,
         })
     }
 }

@@ -368,7 +368,7 @@ impl CompassEstimate {
     pub(crate) const NONE: Self = Self { pose: CompassPose::NONE, probability: 0.0, spread_m: 0.0 };
 
     pub(crate) fn new(estimate: &Estimate, layers: &[Option<FloorLayer<'_>>]) -> Self {
-        let Estimate { mode, probability, spread_m } = *estimate;
-        Self { pose: CompassPose::new(&mode, layers), probability, spread_m }
+        let Estimate { pose, probability, spread_m } = *estimate;
+        Self { pose: CompassPose::new(&pose, layers), probability, spread_m }
     }
 }
