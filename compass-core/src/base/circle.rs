@@ -7,6 +7,13 @@ use bytemuck::TransparentWrapper;
 ///
 /// Accessors take any `usize` modulo 360, so that no caller takes a remainder: write the bin `offset` before `bin` as
 /// `bin + BINS - offset`. Loops over all bins in order use the [array](Self::bins).
+///
+/// ```
+/// use compass_core::base::circle::Circle;
+///
+/// let circle = Circle::from_fn(|bin| 2 * bin);
+/// assert_eq!((circle.get(1), circle.get(359), circle.get(361)), (2, 718, 2));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, TransparentWrapper)]
 #[repr(transparent)]
 pub struct Circle<T>([T; BINS]);
@@ -50,6 +57,10 @@ impl<T: Copy> Circle<T> {
 }
 
 /// The two neighbours of a bin, before and after it, each below 360.
+///
+/// ```
+/// assert_eq!(compass_core::base::circle::beside(0), [359, 1]);
+/// ```
 #[must_use]
 #[inline]
 pub const fn beside(bin: usize) -> [usize; 2] {
@@ -57,6 +68,10 @@ pub const fn beside(bin: usize) -> [usize; 2] {
 }
 
 /// Number of bins between two bins along the shorter arc, at most 180.
+///
+/// ```
+/// assert_eq!(compass_core::base::circle::distance(350, 15), 25);
+/// ```
 #[must_use]
 #[inline]
 pub const fn distance(a: usize, b: usize) -> usize {

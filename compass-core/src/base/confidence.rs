@@ -17,6 +17,12 @@ impl Confidence {
     pub const NONE: Self = Self([0; BINS]);
 
     /// Takes sixteenths per bin; clamps values above 16 to 16.
+    ///
+    /// ```
+    /// use compass_core::base::confidence::Confidence;
+    ///
+    /// assert_eq!(Confidence::new(&[99; 360]), Confidence::CERTAIN);
+    /// ```
     #[must_use]
     pub fn new(sixteenths: &[u8; BINS]) -> Self {
         Self(sixteenths.map(|c| c.min(Self::FULL)))

@@ -4,6 +4,24 @@
 pub(crate) static CRC32: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
 
 /// Destination of written bytes.
+///
+/// ```
+/// use compass_core::base::crc::Sink;
+///
+/// struct Count(usize);
+///
+/// impl Sink for Count {
+///     type Error = core::convert::Infallible;
+///     fn append(&mut self, bytes: &[u8]) -> Result<(), Self::Error> {
+///         self.0 += bytes.len();
+///         Ok(())
+///     }
+/// }
+///
+/// let mut count = Count(0);
+/// let Ok(()) = count.append(&[1, 2, 3]);
+/// assert_eq!(count.0, 3);
+/// ```
 pub trait Sink {
     /// Error of a failed append.
     type Error;

@@ -59,6 +59,18 @@ impl ScoredPose {
 }
 
 /// Smallest distance, or smallest angle between headings, at which two poses are distinct.
+///
+/// Distances are compared exactly, by squares, and headings by the smaller angle between them.
+///
+/// ```
+/// use compass_core::base::pose::Separation;
+/// use compass_core::{Metres, Point, Turn};
+///
+/// let at = |x, degrees| (Point::new(Metres::from_num(x), Metres::ZERO), Turn::from_degrees(degrees));
+/// // 0.75 m or 15 degrees.
+/// assert!(Separation::FOUND.is_near(at(0.0, 355), at(0.75, 9)));
+/// assert!(!Separation::FOUND.is_near(at(0.0, 355), at(0.0, 10)));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Separation {
     /// Largest distance of positions that coincide (inclusive).

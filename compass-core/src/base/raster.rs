@@ -31,6 +31,16 @@ impl core::error::Error for RasterError {}
 pub const MAX_SIDE: u32 = 65_535;
 
 /// One bit per pixel, rows padded to whole bytes, least significant bit first.
+///
+/// ```
+/// use compass_core::BitMask;
+///
+/// // 9 x 2 pixels, two bytes per row.
+/// let mask = BitMask::new(&[0b0000_0001, 0xff, 0, 1], 9, 2)?;
+/// assert!(mask.get(0, 0) && !mask.get(1, 0) && mask.get(8, 1));
+/// assert_eq!(mask.byte(1, 0), 1, "padding is unset");
+/// # Ok::<(), compass_core::base::raster::RasterError>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct BitMask<'a> {
     bits: &'a [u8],
@@ -104,6 +114,14 @@ impl<'a> BitMask<'a> {
 }
 
 /// An 8-bit gray image, rows without padding, row 0 at the top.
+///
+/// ```
+/// use compass_core::GrayImage;
+///
+/// let image = GrayImage::new(&[1, 2, 3, 4, 5, 6], 3, 2)?;
+/// assert_eq!(image.row(1), [4, 5, 6]);
+/// # Ok::<(), compass_core::base::raster::RasterError>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct GrayImage<'a> {
     pixels: &'a [u8],
@@ -154,6 +172,14 @@ impl<'a> GrayImage<'a> {
 }
 
 /// An 8-bit colour image, red, green, blue interleaved, rows without padding, row 0 at the top.
+///
+/// ```
+/// use compass_core::RgbImage;
+///
+/// let image = RgbImage::new(&[1, 2, 3, 4, 5, 6], 1, 2)?;
+/// assert_eq!(image.pixel(0, 1), [4, 5, 6]);
+/// # Ok::<(), compass_core::base::raster::RasterError>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct RgbImage<'a> {
     samples: &'a [u8],
@@ -199,6 +225,12 @@ impl<'a> RgbImage<'a> {
 
 /// Whether red dominates a colour, as on helmets and safety vests: R exceeds 1.5 times the larger of G and B, and exceeds
 /// it by more than 40 levels.
+///
+/// ```
+/// use compass_core::base::raster::is_red;
+///
+/// assert!(is_red([200, 40, 50]) && !is_red([200, 190, 180]));
+/// ```
 #[must_use]
 #[inline]
 pub const fn is_red([r, g, b]: [u8; 3]) -> bool {

@@ -50,6 +50,12 @@ impl Scan {
     pub(crate) const BLANK: Self = Self { steps: [0; BINS], hit: [Hit::Open; BINS] };
 
     /// The number of bins with this hit type.
+    ///
+    /// ```
+    /// use compass_core::{Hit, Scan};
+    ///
+    /// assert_eq!(Scan::OPEN.count(Hit::Open), 360);
+    /// ```
     #[must_use]
     pub fn count(&self, hit: Hit) -> usize {
         self.hit.iter().filter(|&&h| h == hit).count()
@@ -58,6 +64,14 @@ impl Scan {
     /// The number of runs of equal hit type around the circle; 1 when all bins agree.
     ///
     /// The paper calls these the segments of the hit-type channel.
+    ///
+    /// ```
+    /// use compass_core::{Hit, Scan};
+    ///
+    /// let mut scan = Scan::OPEN;
+    /// (scan.hit[359], scan.hit[0]) = (Hit::Wall, Hit::Wall);
+    /// assert_eq!(scan.segments(), 2, "a run across bin 0 is one run");
+    /// ```
     #[must_use]
     pub fn segments(&self) -> usize {
         let mut changes = 0;

@@ -11,6 +11,27 @@ const RIM_PX: f32 = 3.0;
 /// Sets the bits of the pixels within 95 degrees of the optical axis, less a rim of 3 pixels, and clears the others.
 ///
 /// `bits` has the layout of [`BitMask`](crate::base::raster::BitMask); rows beyond its length are omitted.
+///
+/// # Accuracy
+/// Exact: every pixel is decided by the inequality of the ellipse (test `bits_match_the_ellipse`).
+///
+/// # Cost
+/// One square root and at most 10 tests of pixels per row.
+///
+/// ```
+/// use compass_core::vision::camera::Equidistant;
+/// use compass_core::vision::lens_field::fill_mask;
+/// use compass_core::{BitMask, Camera, Intrinsics, View};
+///
+/// // 95 degrees are 16.6 px from the centre.
+/// let intrinsics = Intrinsics { fx: 10.0, fy: 10.0, cx: 19.5, cy: 19.5 };
+/// let view = View::new(Camera::Equidistant(Equidistant::new(intrinsics)?), 40, 40);
+/// let mut bits = [0xff; 5 * 40];
+/// fill_mask(&view, &mut bits);
+/// let mask = BitMask::new(&bits, 40, 40).unwrap();
+/// assert!(mask.get(32, 19) && !mask.get(34, 19) && !mask.get(0, 0));
+/// # Ok::<(), compass_core::CameraError>(())
+/// ```
 pub fn fill_mask(view: &View, bits: &mut [u8]) {
     let row_bytes = usize::from(view.width).div_ceil(8);
     let border = Ellipse::of(view);

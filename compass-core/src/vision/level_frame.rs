@@ -18,6 +18,15 @@ pub struct LevelFrame {
 impl LevelFrame {
     /// Makes the frame of the up vector in camera 0, of any length; `None` if it is not finite, shorter than 0.001, or
     /// parallel to the optical axis, which leaves the heading undefined.
+    ///
+    /// ```
+    /// use compass_core::Bearing;
+    /// use compass_core::vision::level_frame::LevelFrame;
+    ///
+    /// // Upside down: the y axis of the image points up.
+    /// assert!(LevelFrame::new(&Bearing::new(0.0, 2.0, 0.5)).is_some());
+    /// assert!(LevelFrame::new(&Bearing::z()).is_none());
+    /// ```
     #[must_use]
     pub fn new(up: &Bearing) -> Option<Self> {
         let unit = |v: Vector3<f32>| {
@@ -38,6 +47,17 @@ impl LevelFrame {
     }
 
     /// The unit vector in camera 0 at an azimuth (counter-clockwise seen from above) and elevation, radians.
+    ///
+    /// ```
+    /// use compass_core::Bearing;
+    /// use compass_core::vision::level_frame::LevelFrame;
+    ///
+    /// let level = LevelFrame::new(&Bearing::new(0.0, -1.0, 0.0)).unwrap();
+    /// assert_eq!(level.bearing(0.0, 0.0), Bearing::z());
+    /// // Azimuth 90 degrees is to the left.
+    /// let left = level.bearing(core::f32::consts::FRAC_PI_2, 0.0);
+    /// assert!((left + Bearing::x()).norm() < 1e-6);
+    /// ```
     #[must_use]
     pub fn bearing(&self, azimuth: f32, elevation: f32) -> Bearing {
         self.bearing_of(libm::sincosf(azimuth), libm::sincosf(elevation))
@@ -49,6 +69,19 @@ impl LevelFrame {
     }
 
     /// Azimuth and elevation, radians, of a unit vector in camera 0.
+    ///
+    /// # Formats
+    /// Azimuth in -pi to pi, counter-clockwise from forward; elevation in -pi / 2 to pi / 2.
+    ///
+    /// ```
+    /// use compass_core::Bearing;
+    /// use compass_core::vision::level_frame::LevelFrame;
+    ///
+    /// let level = LevelFrame::new(&Bearing::new(0.0, -1.0, 0.0)).unwrap();
+    /// let (azimuth, elevation) = level.direction(&Bearing::new(-0.8, -0.6, 0.0));
+    /// assert!((azimuth.to_degrees() - 90.0).abs() < 1e-4);
+    /// assert!((elevation.to_degrees() - 36.87).abs() < 0.01);
+    /// ```
     #[must_use]
     pub fn direction(&self, bearing: &Bearing) -> (f32, f32) {
         let level = self.axes * bearing;

@@ -28,6 +28,18 @@ impl Resolution {
     pub const COARSE: Self = Self(PerDegree::Two);
 
     /// The resolution for a view, by its pixels per degree on the optical axis.
+    ///
+    /// ```
+    /// # use compass_core::vision::camera::Equidistant;
+    /// # use compass_core::{Camera, CameraError, Intrinsics, View};
+    /// use compass_core::vision::panorama::Resolution;
+    ///
+    /// let intrinsics = Intrinsics { fx: 116.0, fy: 116.0, cx: 183.5, cy: 179.5 };
+    /// let view = View::new(Camera::Equidistant(Equidistant::new(intrinsics)?), 368, 360);
+    /// assert_eq!(Resolution::of(&view), Resolution::COARSE, "2 pixels per degree");
+    /// assert_eq!((Resolution::COARSE.columns(), Resolution::COARSE.rows()), (720, 130));
+    /// # Ok::<(), CameraError>(())
+    /// ```
     #[must_use]
     pub fn of(view: &View) -> Self {
         if pixels_per_degree(view) < 3.0 { Self::COARSE } else { Self::FINE }

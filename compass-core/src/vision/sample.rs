@@ -7,6 +7,8 @@ use crate::base::raster::{BitMask, GrayImage, RgbImage, is_red};
 pub(crate) const SUBPIXEL: u32 = 8;
 
 /// Pixels to leave out because they show red safety gear.
+///
+/// Samples at excluded pixels are unknown: the panorama and the raster of boundaries treat them as if no camera saw them.
 #[derive(Debug, Clone, Copy)]
 pub enum ExclusionMask<'a> {
     /// No colours known: no pixel is left out.

@@ -11,6 +11,34 @@ use crate::vision::windows::WindowEvidence;
 ///
 /// `height` is the camera height as a [shift in rungs](crate::base::ladder::height_rungs). A bin without a range takes that
 /// of the nearest bin that has one, with confidence 0, so that channels of differences between neighbours see no jump.
+///
+/// # Formats
+/// Log-likelihood ratios and log odds to a [`Scan`] in march steps of 0.02 m and a [`Confidence`] in sixteenths. Ranges of 30
+/// m and more are [`Hit::Open`].
+///
+/// # Cost
+/// A search over the 90 rungs per bin, and at most 360 look-ups for each bin without a range.
+///
+/// # References
+/// The paper: the descriptor is made of such a scan.
+///
+/// ```
+/// use compass_core::Hit;
+/// use compass_core::vision::boundary::{BoundaryEvidence, CELLS, RUNGS, RangeLikelihoods};
+/// use compass_core::vision::visual_scan::scan;
+/// use compass_core::vision::windows::WindowEvidence;
+///
+/// // A boundary of floor and wall at rung 30 in all directions, 1.44 m away, of which bins 0 to 9 are not seen.
+/// let mut cells = vec![0; CELLS];
+/// cells[30 * 360..31 * 360].fill(200);
+/// let known = core::array::from_fn(|bin| bin > 9);
+/// let mut ranges = RangeLikelihoods::EMPTY;
+/// BoundaryEvidence::new(&cells, known).unwrap().ranges(0, &mut ranges);
+/// let windows = WindowEvidence { hit: [Hit::Wall; 360], ..WindowEvidence::NOTHING };
+/// let (scan, confidence) = scan(&ranges, 0, &windows);
+/// assert_eq!((scan.steps[0], scan.steps[90], scan.hit[90]), (72, 72, Hit::Wall));
+/// assert_eq!((confidence.sixteenths()[0], confidence.sixteenths()[90]), (0, 16));
+/// ```
 #[must_use]
 pub fn scan(ranges: &RangeLikelihoods, height: i8, windows: &WindowEvidence) -> (Scan, Confidence) {
     let mut scan = Scan::OPEN;

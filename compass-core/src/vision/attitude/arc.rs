@@ -36,6 +36,28 @@ impl Arc {
 
     /// The arc of a segment in a camera's image; `None` if an end lies beyond the camera's field or 92 degrees
     /// from its axis, or the arc is shorter than 0.1 degrees.
+    ///
+    /// # Formats
+    /// Pixels of the segment to unit vectors in camera 0.
+    ///
+    /// # References
+    /// S. T. Barnard, "Interpreting Perspective Images", Artificial Intelligence 21, 1983: lines as great circles of the
+    /// Gaussian sphere.
+    ///
+    /// ```
+    /// # use compass_core::vision::camera::Equidistant;
+    /// # use compass_core::vision::segments::Segment;
+    /// # use compass_core::{Bearing, Camera, CameraError, Intrinsics, View};
+    /// use compass_core::vision::attitude::Arc;
+    ///
+    /// let intrinsics = Intrinsics { fx: 100.0, fy: 100.0, cx: 99.5, cy: 99.5 };
+    /// let view = View::new(Camera::Equidistant(Equidistant::new(intrinsics)?), 200, 200);
+    /// // A vertical segment through the optical axis, 0.2 rad long: its great circle is the plane x = 0.
+    /// let segment = Segment { x1: 99.5, y1: 89.5, x2: 99.5, y2: 109.5, score: 20 };
+    /// let arc = Arc::new(&segment, &view, 0).unwrap();
+    /// assert!((arc.normal.x.abs() - 1.0).abs() < 1e-6 && (arc.weight - 11.46).abs() < 0.01);
+    /// # Ok::<(), CameraError>(())
+    /// ```
     #[must_use]
     pub fn new(segment: &Segment, view: &View, camera: u32) -> Option<Self> {
         let end = |x, y| {
@@ -54,6 +76,15 @@ impl Arc {
 
     /// Agreement of the arc with a vanishing point (a unit vector): 1 if its great circle contains it, falling to 0 at the
     /// tolerance; 0 within 20 degrees of the arc's middle. The tolerance is clamped to 0.1 to 10 degrees.
+    ///
+    /// ```
+    /// use compass_core::Bearing;
+    /// use compass_core::vision::attitude::Arc;
+    ///
+    /// let arc = Arc { normal: Bearing::x(), middle: Bearing::z(), weight: 10.0, camera: 0 };
+    /// assert_eq!(arc.agreement(&Bearing::y(), 2.0), 1.0);
+    /// assert_eq!(arc.agreement(&Bearing::z(), 2.0), 0.0, "the middle of the arc");
+    /// ```
     #[must_use]
     pub fn agreement(&self, direction: &Bearing, tolerance_deg: f32) -> f32 {
         self.agrees(direction, sharpness(tolerance_deg))

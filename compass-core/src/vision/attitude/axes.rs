@@ -28,6 +28,16 @@ pub struct Axes {
 
 impl Axes {
     /// Unit vectors in camera 0 along the two axes.
+    ///
+    /// ```
+    /// use compass_core::Bearing;
+    /// use compass_core::vision::attitude::Axes;
+    /// use compass_core::vision::level_frame::LevelFrame;
+    ///
+    /// let level = LevelFrame::new(&Bearing::new(0.0, -1.0, 0.0)).unwrap();
+    /// let axes = Axes { azimuth_deg: 0.0, inliers: [0; 2], share: 0.0 };
+    /// assert_eq!(axes.directions(&level)[0], Bearing::z());
+    /// ```
     #[must_use]
     pub fn directions(&self, level: &LevelFrame) -> [Bearing; 2] {
         let azimuth = self.azimuth_deg * (core::f32::consts::PI / 180.0);
@@ -35,6 +45,18 @@ impl Axes {
     }
 
     /// The axis, 0 or 1, of which an arc is an inlier.
+    ///
+    /// ```
+    /// use compass_core::Bearing;
+    /// use compass_core::vision::attitude::{Arc, Axes};
+    /// use compass_core::vision::level_frame::LevelFrame;
+    ///
+    /// let level = LevelFrame::new(&Bearing::new(0.0, -1.0, 0.0)).unwrap();
+    /// let axes = Axes { azimuth_deg: 0.5, inliers: [0; 2], share: 0.0 };
+    /// // A line ahead and to the right, parallel to the optical axis.
+    /// let arc = Arc { normal: Bearing::new(0.6, 0.8, 0.0), ..Arc::EMPTY };
+    /// assert_eq!(axes.axis_of(&arc, &level), Some(0));
+    /// ```
     #[must_use]
     pub fn axis_of(&self, arc: &Arc, level: &LevelFrame) -> Option<usize> {
         let turn = vanishing_azimuth(arc, level)? - self.azimuth_deg;
@@ -47,6 +69,33 @@ impl Axes {
 ///
 /// The great circle of a horizontal line intersects the horizon in its vanishing point: a histogram of these azimuths
 /// modulo 90 degrees, weighted by arc length, gives a peak, and the weighted mean of its inliers the answer.
+///
+/// # Formats
+/// Histogram of 360 bins of a quarter degree; the peak is that of sums of 17 bins, and inliers lie within 2 degrees.
+///
+/// # Accuracy
+/// Within 1 degree for synthetic scenes with 0.6 px of noise (test `finds_up_at_any_tilt_to_45_degrees`).
+///
+/// # Cost
+/// Four passes over the arcs, and 360 sums of 17 bins.
+///
+/// ```
+/// use compass_core::Bearing;
+/// use compass_core::vision::attitude::{Arc, building_axes};
+/// use compass_core::vision::level_frame::LevelFrame;
+///
+/// // Lines ahead, above and below the horizon, along azimuth 90 degrees.
+/// let up = Bearing::new(0.0, -1.0, 0.0);
+/// let line = |y: f32| Arc {
+///     normal: Bearing::new(0.0, 0.8, y),
+///     middle: Bearing::new(0.0, -y, 0.8),
+///     weight: 9.0,
+///     camera: 0,
+/// };
+/// let axes = building_axes(&[line(0.6), line(-0.6)], &LevelFrame::new(&up).unwrap()).unwrap();
+/// assert!(axes.azimuth_deg < 0.2 || axes.azimuth_deg > 89.8);
+/// assert_eq!((axes.inliers, axes.share), ([0, 2], 1.0));
+/// ```
 #[must_use]
 pub fn building_axes(arcs: &[Arc], level: &LevelFrame) -> Option<Axes> {
     let mut votes = [0.0_f32; VOTES];

@@ -54,7 +54,39 @@ struct Peak {
 
 /// Finds the vertical vanishing point of arcs, the up vector.
 ///
-/// `None` if it has fewer than [`LEAST_INLIERS`] inliers. The work is bounded by trials times arcs.
+/// `None` if it has fewer than [`LEAST_INLIERS`] inliers.
+///
+/// # Formats
+/// Arcs and hint in the axes of camera 0; the answer is a unit vector. The same seed gives the same bits.
+///
+/// # Accuracy
+/// Within 0.3 degrees of the truth for synthetic scenes with 0.6 px of noise, at any tilt to 45 degrees (test
+/// `finds_up_at_any_tilt_to_45_degrees`); [`UP_ERROR_DEG`](super::UP_ERROR_DEG) bounds the rounding, which `compass compare`
+/// checks.
+///
+/// # Cost
+/// One pass over the arcs per trial, 300 by default, and 9 passes for each of at most 6 peaks. Measured as `attitude` in
+/// `targets/budget.txt`.
+///
+/// # References
+/// M. A. Fischler and R. C. Bolles, "Random Sample Consensus", CACM 24, 1981.
+///
+/// ```
+/// use compass_core::vision::attitude::{Arc, Parameters, UpHint, vertical};
+/// use compass_core::Bearing;
+///
+/// // 24 vertical lines at the horizon, all around.
+/// let arcs: [Arc; 24] = core::array::from_fn(|k| {
+///     let (sin, cos) = (k as f32 * 0.26).sin_cos();
+///     let (normal, middle) = (Bearing::new(cos, 0.0, -sin), Bearing::new(sin, 0.0, cos));
+///     Arc { normal, middle, weight: 10.0, camera: 0 }
+/// });
+/// let hint = UpHint::Up(Bearing::new(0.1, -1.0, 0.2));
+/// let found = vertical(&arcs, hint, &Parameters::default()).unwrap();
+/// assert!((found.up + Bearing::y()).norm() < 1e-3);
+/// assert_eq!(found.inliers, [24, 0]);
+/// assert!(vertical(&arcs[..9], hint, &Parameters::default()).is_none());
+/// ```
 #[must_use]
 pub fn vertical(arcs: &[Arc], hint: UpHint, parameters: &Parameters) -> Option<Vertical> {
     let scorer = Scorer::new(arcs, hint, parameters.tolerance_deg);

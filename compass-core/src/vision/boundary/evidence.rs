@@ -24,6 +24,13 @@ pub struct BoundaryEvidence<'a> {
 impl<'a> BoundaryEvidence<'a> {
     /// Restores evidence from its [`cells`](Self::cells) and [`known`](Self::known) bins. `None` if `cells` does not have
     /// [`CELLS`] bytes.
+    ///
+    /// ```
+    /// use compass_core::vision::boundary::{BoundaryEvidence, CELLS};
+    ///
+    /// assert!(BoundaryEvidence::new(&[0; CELLS], [true; 360]).is_some());
+    /// assert!(BoundaryEvidence::new(&[0; 9], [true; 360]).is_none());
+    /// ```
     #[must_use]
     pub fn new(cells: &'a [u8], known: [bool; BINS]) -> Option<Self> {
         (cells.len() == CELLS).then_some(Self { cells, known })
@@ -52,8 +59,22 @@ impl<'a> BoundaryEvidence<'a> {
     /// `height`, a known camera height in [rungs](crate::base::ladder::height_rungs), restricts them to ceilings 2.0 to 4.5
     /// m above the floor.
     ///
+    /// # Formats
+    /// Sums of 120 bins in [`Nats`]; heights -16 to 28 rungs.
+    ///
     /// # Cost
     /// A pass over a third of the cells for each of at most 45 heights.
+    ///
+    /// ```
+    /// use compass_core::vision::boundary::{BoundaryEvidence, CELLS, RUNGS};
+    ///
+    /// // Floor at rung 30, ceiling at rung 25, in all directions.
+    /// let mut cells = vec![0; CELLS];
+    /// cells[30 * 360..31 * 360].fill(60);
+    /// cells[(RUNGS + 25) * 360..(RUNGS + 26) * 360].fill(50);
+    /// let evidence = BoundaryEvidence::new(&cells, [true; 360]).unwrap();
+    /// assert_eq!(evidence.ceilings(None).first(), Some(&5));
+    /// ```
     #[must_use]
     pub fn ceilings(&self, height: Option<i8>) -> Vec<i8, MAX_CEILINGS> {
         let [least, most] = height.map_or(CEILINGS, |rungs| ranges::ceiling_bounds(height_m(rungs)));
@@ -77,6 +98,34 @@ impl<'a> BoundaryEvidence<'a> {
     }
 
     /// Computes the log-likelihood ratios of ranges for a ceiling height, clamped to -16 to 28 rungs.
+    ///
+    /// # Formats
+    /// Evidence in 1/16 nat, softmax in 1/65536, log-likelihood ratios in [`CellNats`](crate::base::num::CellNats): -1.25 to
+    /// 4 nats.
+    ///
+    /// # Accuracy
+    /// [`EVIDENCE_ERROR`](super::EVIDENCE_ERROR), which `compass compare` checks against `f64`.
+    ///
+    /// # Cost
+    /// Three passes over the cells.
+    ///
+    /// # References
+    /// D. McFadden, "Conditional Logit Analysis of Qualitative Choice Behavior", 1974.
+    ///
+    /// ```
+    /// use compass_core::vision::boundary::{BoundaryEvidence, CELLS, RUNGS, RangeLikelihoods};
+    ///
+    /// // Floor at rung 30, ceiling at rung 25, in all directions.
+    /// let mut cells = vec![0; CELLS];
+    /// cells[30 * 360..31 * 360].fill(60);
+    /// cells[(RUNGS + 25) * 360..(RUNGS + 26) * 360].fill(50);
+    /// let evidence = BoundaryEvidence::new(&cells, [true; 360]).unwrap();
+    /// let mut ranges = RangeLikelihoods::EMPTY;
+    /// evidence.ranges(5, &mut ranges);
+    /// // Rung 30 is rung 21 of the range ladder for the nominal camera height: 1.43 m.
+    /// let found = ranges.range(0, 0).unwrap();
+    /// assert!((found.metres - 1.43).abs() < 0.02 && found.confidence > 0.8, "{found:?}");
+    /// ```
     pub fn ranges(&self, ceiling: i8, ranges: &mut RangeLikelihoods) {
         let (floor, above) = self.surfaces();
         ranges.known = self.known.map(u8::from);
@@ -85,6 +134,19 @@ impl<'a> BoundaryEvidence<'a> {
     }
 
     /// Computes the log-likelihood ratios of ranges for the most likely ceiling, by [`ceilings`](Self::ceilings).
+    ///
+    /// ```
+    /// use compass_core::vision::boundary::{BoundaryEvidence, CELLS, RUNGS, RangeLikelihoods};
+    ///
+    /// // Floor at rung 30, ceiling at rung 25, in all directions.
+    /// let mut cells = vec![0; CELLS];
+    /// cells[30 * 360..31 * 360].fill(60);
+    /// cells[(RUNGS + 25) * 360..(RUNGS + 26) * 360].fill(50);
+    /// let evidence = BoundaryEvidence::new(&cells, [true; 360]).unwrap();
+    /// let mut ranges = RangeLikelihoods::EMPTY;
+    /// evidence.likeliest(None, &mut ranges);
+    /// assert!((ranges.ceiling_ratio() - 1.355).abs() < 1e-3);
+    /// ```
     pub fn likeliest(&self, height: Option<i8>, ranges: &mut RangeLikelihoods) {
         self.ranges(self.ceilings(height).first().copied().unwrap_or(0), ranges);
     }

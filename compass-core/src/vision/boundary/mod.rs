@@ -61,6 +61,35 @@ pub struct Buffers<'a> {
 }
 
 /// Finds the boundaries of floor and ceiling in the frames of a rig, added one camera at a time.
+///
+/// # Formats
+/// Gray levels to [`SupportNats`](crate::base::num::SupportNats) per surface, rung and bin.
+///
+/// # Accuracy
+/// Ranges of a synthetic room: median error below 2 %, 90th percentile below 6 %, a rung (test
+/// `ranges_of_a_room_are_found_level_and_tilted`). [`EDGES_PPM`] and [`EVIDENCE_ERROR`] bound the rounding, which `compass
+/// compare` checks.
+///
+/// # Cost
+/// Measured as `ranges` in `targets/budget.txt`.
+///
+/// ```
+/// # use compass_core::vision::camera::Equidistant;
+/// # use compass_core::{Bearing, Camera, CameraError, ExclusionMask, GrayImage, Intrinsics, Rig, View};
+/// # use compass_core::vision::boundary::{BoundaryFinder, Buffers, CELLS};
+/// # use compass_core::vision::level_frame::LevelFrame;
+/// // A blank frame of camera 0, which looks ahead.
+/// let intrinsics = Intrinsics { fx: 10.0, fy: 10.0, cx: 19.5, cy: 19.5 };
+/// let view = View::new(Camera::Equidistant(Equidistant::new(intrinsics)?), 40, 40);
+/// let (rig, level) = (Rig::new([Some(view), None])?, LevelFrame::new(&-Bearing::y()).unwrap());
+/// let buffers = Buffers { edges: &mut vec![0; CELLS], support: &mut vec![0; CELLS] };
+/// let mut finder = BoundaryFinder::new(buffers, &rig, level).unwrap();
+/// finder.add(0, &GrayImage::new(&[99; 1600], 40, 40).unwrap(), ExclusionMask::Unknown);
+/// let evidence = finder.finish();
+/// assert!(evidence.known()[0] && !evidence.known()[180]);
+/// assert!(evidence.cells().iter().all(|support| *support == 0));
+/// # Ok::<(), CameraError>(())
+/// ```
 #[derive(Debug)]
 pub struct BoundaryFinder<'a, 'r> {
     buffers: Buffers<'a>,

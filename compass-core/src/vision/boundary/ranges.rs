@@ -136,12 +136,21 @@ impl RangeLikelihoods {
     pub const EMPTY: Self = Self { values: [[CellNats::ZERO; BINS]; RUNGS], known: [0; BINS], ceiling: 0 };
 
     /// Height of the ceiling above the camera divided by the height of the camera above the floor.
+    ///
+    /// ```
+    /// assert_eq!(compass_core::vision::boundary::RangeLikelihoods::EMPTY.ceiling_ratio(), 1.0);
+    /// ```
     #[must_use]
     pub fn ceiling_ratio(&self) -> f32 {
         libm::expf(f32::from(self.ceiling) * RUNG)
     }
 
     /// Camera heights, as [`height_rungs`], for which the ceiling is 2.0 to 4.5 m above the floor.
+    ///
+    /// ```
+    /// // A ceiling as far above the camera as the floor is below: 1.0 to 2.25 m.
+    /// assert_eq!(compass_core::vision::boundary::RangeLikelihoods::EMPTY.heights(), -7..=7);
+    /// ```
     #[must_use]
     pub fn heights(&self) -> core::ops::RangeInclusive<i8> {
         let whole = 1.0 + self.ceiling_ratio();
@@ -157,6 +166,14 @@ impl RangeLikelihoods {
 
     /// Log-likelihood ratios of all bins at a rung of the [range ladder](crate::base::ladder), for a camera height as
     /// [`height_rungs`].
+    ///
+    /// # Formats
+    /// A camera height shifts rows; rows beyond the table are clamped to its first and last.
+    ///
+    /// ```
+    /// let ranges = compass_core::vision::boundary::RangeLikelihoods::EMPTY;
+    /// assert!(ranges.row(71, 8).iter().all(|ratio| ratio.is_zero()));
+    /// ```
     pub fn row(&self, rung: usize, height: i8) -> &[CellNats; BINS] {
         const NOTHING: [CellNats; BINS] = [CellNats::ZERO; BINS];
         let at = (rung + LEAD).saturating_add_signed(-isize::from(height)).min(RUNGS - 1);
@@ -164,6 +181,18 @@ impl RangeLikelihoods {
     }
 
     /// The most likely range of a bin for a camera height as [`height_rungs`]; `None` for a bin that is not known.
+    ///
+    /// # Formats
+    /// Metres: the mean over the rungs within two of the most likely one, weighted by posterior probability. Bins are not taken
+    /// modulo 360: those from 360 on are not known.
+    ///
+    /// # Cost
+    /// One search over the 90 rungs, and at most six exponentials.
+    ///
+    /// ```
+    /// let ranges = compass_core::vision::boundary::RangeLikelihoods::EMPTY;
+    /// assert_eq!(ranges.range(0, 0), None);
+    /// ```
     #[must_use]
     pub fn range(&self, bin: usize, height: i8) -> Option<RangeEstimate> {
         if !self.knows(bin) {

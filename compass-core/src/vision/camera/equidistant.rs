@@ -3,6 +3,17 @@
 use super::{Bearing, CameraError, Intrinsics, Pixel, Polar, WIDEST_ANGLE};
 
 /// Equidistant fisheye: radius = f theta.
+///
+/// ```
+/// use compass_core::vision::camera::Equidistant;
+/// use compass_core::{Bearing, Camera, Intrinsics};
+///
+/// let intrinsics = Intrinsics { fx: 100.0, fy: 100.0, cx: 99.5, cy: 99.5 };
+/// let camera = Camera::Equidistant(Equidistant::new(intrinsics)?);
+/// let pixel = camera.project(&Bearing::new(1.0, 0.0, 1.0)).unwrap();
+/// assert!((pixel.x - (99.5 + 78.54)).abs() < 0.01);
+/// # Ok::<(), compass_core::CameraError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Equidistant {

@@ -10,6 +10,24 @@ use super::{
 };
 
 /// Enhanced unified camera model; alpha 0 is the pinhole.
+///
+/// # Formats
+/// Radius in focal lengths at the angle theta: `sin / (alpha sqrt(beta sin^2 + cos^2) + (1 - alpha) cos)`, closed form in
+/// both directions.
+///
+/// # References
+/// B. Khomutenko, G. Garcia and P. Martinet, "An Enhanced Unified Camera Model", RA-L 2016.
+///
+/// ```
+/// use compass_core::{Bearing, Camera, Eucm, Intrinsics};
+///
+/// let intrinsics = Intrinsics { fx: 100.0, fy: 100.0, cx: 99.5, cy: 99.5 };
+/// // Alpha 1/2 and beta 1 is the stereographic lens: 2 tan(theta / 2).
+/// let camera = Camera::Eucm(Eucm::new(intrinsics, 0.5, 1.0)?);
+/// let pixel = camera.project(&Bearing::new(1.0, 0.0, 0.0)).unwrap();
+/// assert!((pixel.x - 299.5).abs() < 1e-3);
+/// # Ok::<(), compass_core::CameraError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Eucm {

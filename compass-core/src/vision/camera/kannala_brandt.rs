@@ -18,6 +18,25 @@ const FIELD_HALVINGS: u8 = 24;
 const INVERSE_STEPS: u8 = 40;
 
 /// Polynomial fisheye: radius = f (theta + k1 theta^3 + k2 theta^5 + k3 theta^7 + k4 theta^9).
+///
+/// # Cost
+/// [`new`](Self::new) scans the field in at most 1024 steps; [`Camera::unproject`](super::Camera::unproject) takes at most
+/// 40 steps of Newton's method and bisection.
+///
+/// # References
+/// J. Kannala and S. Brandt, "A Generic Camera Model and Calibration Method for Conventional, Wide-Angle, and Fish-Eye
+/// Lenses", PAMI 2006.
+///
+/// ```
+/// use compass_core::{Bearing, Camera, Intrinsics, KannalaBrandt};
+///
+/// let intrinsics = Intrinsics { fx: 100.0, fy: 100.0, cx: 99.5, cy: 99.5 };
+/// let camera = Camera::KannalaBrandt(KannalaBrandt::new(intrinsics, [0.1, 0.0, 0.0, 0.0])?);
+/// // pi / 2 + 0.1 (pi / 2)^3 focal lengths.
+/// let pixel = camera.project(&Bearing::new(1.0, 0.0, 0.0)).unwrap();
+/// assert!((pixel.x - (99.5 + 195.84)).abs() < 0.01);
+/// # Ok::<(), compass_core::CameraError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct KannalaBrandt {

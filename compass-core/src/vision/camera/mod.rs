@@ -191,6 +191,29 @@ impl Camera {
     ///
     /// `None` if the bearing is not finite, zero, opposite to the optical axis or beyond
     /// [`max_angle`](Self::max_angle).
+    ///
+    /// # Formats
+    /// Bearing in the axes of this camera to pixels; the centre of the top left pixel is (0, 0).
+    ///
+    /// # Accuracy
+    /// [`PROJECTION_ERROR_PX`], which `compass compare` checks against `f64`.
+    ///
+    /// # Cost
+    /// No iteration: at most two square roots, and for the polynomial and equidistant models one arc tangent.
+    ///
+    /// # References
+    /// Those of the [models](self).
+    ///
+    /// ```
+    /// # use compass_core::{Bearing, Camera, CameraError, Intrinsics};
+    /// # use compass_core::vision::camera::{Equidistant, Pixel};
+    /// let intrinsics = Intrinsics { fx: 100.0, fy: 100.0, cx: 99.5, cy: 99.5 };
+    /// let camera = Camera::Equidistant(Equidistant::new(intrinsics)?);
+    /// // 90 degrees to the right of the axis: a radius of pi / 2 focal lengths.
+    /// let pixel = camera.project(&Bearing::new(1.0, 0.0, 0.0)).unwrap();
+    /// assert!((pixel.x - (99.5 + 157.08)).abs() < 0.01 && pixel.y == 99.5);
+    /// # Ok::<(), CameraError>(())
+    /// ```
     #[must_use]
     pub fn project(&self, bearing: &Bearing) -> Option<Pixel> {
         match self {
@@ -203,6 +226,23 @@ impl Camera {
     /// The bearing, of length 1, that projects to a pixel.
     ///
     /// `None` if the pixel is not finite or lies outside the image of the [field](Self::max_angle).
+    ///
+    /// # Accuracy
+    /// [`BEARING_ERROR`], which `compass compare` checks against `f64`; with [`project`](Self::project)
+    /// [`ROUND_TRIP_PX`] (test `pixels_round_trip`).
+    ///
+    /// # Cost
+    /// The polynomial model inverts its polynomial by Newton's method with bisection, at most 40 steps; the others have no
+    /// iteration.
+    ///
+    /// ```
+    /// # use compass_core::{Bearing, Camera, CameraError, Intrinsics};
+    /// # use compass_core::vision::camera::{Equidistant, Pixel};
+    /// let intrinsics = Intrinsics { fx: 100.0, fy: 100.0, cx: 99.5, cy: 99.5 };
+    /// let camera = Camera::Equidistant(Equidistant::new(intrinsics)?);
+    /// assert_eq!(camera.unproject(Pixel { x: 99.5, y: 99.5 }), Some(Bearing::new(0.0, 0.0, 1.0)));
+    /// # Ok::<(), CameraError>(())
+    /// ```
     #[must_use]
     pub fn unproject(&self, pixel: Pixel) -> Option<Bearing> {
         match self {
@@ -215,6 +255,16 @@ impl Camera {
     /// The camera of an image resized by `sx` along x and `sy` along y: f' = f s, c' = (c + 0.5) s - 0.5.
     ///
     /// If a scale is not positive and finite, the camera projects and unprojects nothing.
+    ///
+    /// ```
+    /// # use compass_core::{Camera, CameraError, Intrinsics};
+    /// # use compass_core::vision::camera::Equidistant;
+    /// let intrinsics = Intrinsics { fx: 100.0, fy: 100.0, cx: 99.5, cy: 99.5 };
+    /// let camera = Camera::Equidistant(Equidistant::new(intrinsics)?);
+    /// let half = camera.scaled(0.5, 0.5).intrinsics();
+    /// assert_eq!((half.fx, half.cx), (50.0, 49.5));
+    /// # Ok::<(), CameraError>(())
+    /// ```
     #[must_use]
     pub fn scaled(&self, sx: f32, sy: f32) -> Self {
         let mut camera = *self;
@@ -238,6 +288,15 @@ impl Camera {
     }
 
     /// Radius of the field: the largest angle from the axis that has an image, in radians, at most [`WIDEST_ANGLE`].
+    ///
+    /// ```
+    /// # use compass_core::{Camera, CameraError, Intrinsics};
+    /// # use compass_core::vision::camera::Equidistant;
+    /// let intrinsics = Intrinsics { fx: 100.0, fy: 100.0, cx: 99.5, cy: 99.5 };
+    /// let camera = Camera::Equidistant(Equidistant::new(intrinsics)?);
+    /// assert_eq!(camera.max_angle(), compass_core::vision::camera::WIDEST_ANGLE);
+    /// # Ok::<(), CameraError>(())
+    /// ```
     #[must_use]
     pub fn max_angle(&self) -> f32 {
         match self {

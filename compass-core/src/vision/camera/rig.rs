@@ -83,6 +83,16 @@ impl Rig {
     /// # Errors
     /// [`CameraError::Empty`] without a camera; [`CameraError::Size`], [`CameraError::NotFinite`] and
     /// [`CameraError::Rotation`] for an invalid view.
+    ///
+    /// ```
+    /// # use compass_core::vision::camera::Equidistant;
+    /// # use compass_core::{Camera, CameraError, Intrinsics, Rig, View};
+    /// let intrinsics = Intrinsics { fx: 100.0, fy: 100.0, cx: 99.5, cy: 99.5 };
+    /// let view = View::new(Camera::Equidistant(Equidistant::new(intrinsics)?), 200, 200);
+    /// assert!(Rig::new([None, Some(view)])?.view(0).is_none());
+    /// assert_eq!(Rig::new([None, None]), Err(CameraError::Empty));
+    /// # Ok::<(), CameraError>(())
+    /// ```
     pub fn new(views: PerCamera<Option<View>>) -> Result<Self, CameraError> {
         if views.iter().flatten().count() == 0 {
             return Err(CameraError::Empty);
@@ -96,6 +106,16 @@ impl Rig {
     ///
     /// # Errors
     /// [`CameraError::Size`].
+    ///
+    /// ```
+    /// # use compass_core::vision::camera::Equidistant;
+    /// # use compass_core::{Bearing, Camera, CameraError, Intrinsics, Rig, View};
+    /// let intrinsics = Intrinsics { fx: 100.0, fy: 100.0, cx: 99.5, cy: 99.5 };
+    /// let view = View::new(Camera::Equidistant(Equidistant::new(intrinsics)?), 200, 200);
+    /// let back = *Rig::back_to_back(view, view)?.view(1).unwrap();
+    /// assert_eq!(back.rotation * Bearing::z(), -Bearing::z());
+    /// # Ok::<(), CameraError>(())
+    /// ```
     pub fn back_to_back(front: View, back: View) -> Result<Self, CameraError> {
         let turned = Matrix3::from_diagonal(&Vector3::new(-1.0, 1.0, -1.0));
         let front = View::new(front.camera, front.width, front.height);

@@ -137,6 +137,16 @@ impl<'a> Shot<'a> {
     ///
     /// # Errors
     /// [`ShotError`] names the invalid field.
+    ///
+    /// # Cost
+    /// Reads the header; images are views, not copies.
+    ///
+    /// ```
+    /// use compass_core::vision::shot::{Shot, ShotError};
+    ///
+    /// assert_eq!(Shot::new(b"CMPSSITE").unwrap_err(), ShotError::Magic);
+    /// assert_eq!(Shot::new(b"CMPSSHOT").unwrap_err(), ShotError::Length);
+    /// ```
     pub fn new(bytes: &'a [u8]) -> Result<Self, ShotError> {
         if !bytes.starts_with(&layout::MAGIC) {
             let short = bytes.len() < layout::MAGIC.len() && layout::MAGIC.starts_with(bytes);
@@ -158,7 +168,7 @@ impl<'a> Shot<'a> {
         }
     }
 
-    /// Verifies the checksum of the whole shot; reads all bytes.
+    /// Verifies the checksum of the whole shot; reads all bytes. [`Writer`] has an example.
     ///
     /// # Errors
     /// [`ShotError::Checksum`].

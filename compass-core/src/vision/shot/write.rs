@@ -5,6 +5,33 @@ use super::{Header, Image, ShotError};
 use crate::base::crc::{Sink, Summed};
 
 /// Metadata and images of a shot, checked and ready to be written.
+///
+/// ```
+/// # use compass_core::vision::camera::Equidistant;
+/// # use compass_core::{Bearing, BitMask, Camera, GrayImage, Intrinsics, Rig, View};
+/// use compass_core::base::crc::Sink;
+/// use compass_core::vision::shot::{Header, Shot, Writer};
+///
+/// struct Bytes(Vec<u8>);
+/// # impl Sink for Bytes {
+/// #     type Error = core::convert::Infallible;
+/// #     fn append(&mut self, bytes: &[u8]) -> Result<(), Self::Error> {
+/// #         Ok(self.0.extend_from_slice(bytes))
+/// #     }
+/// # }
+///
+/// // One camera of 8 x 2 pixels.
+/// let intrinsics = Intrinsics { fx: 2.5, fy: 2.5, cx: 3.5, cy: 0.5 };
+/// let view = View::new(Camera::Equidistant(Equidistant::new(intrinsics).unwrap()), 8, 2);
+/// let rig = Rig::new([Some(view), None]).unwrap();
+/// let header = Header { time_ns: 7, rig, up: -Bearing::y(), height_m: Some(1.6) };
+/// let image = (GrayImage::new(&[9; 16], 8, 2).unwrap(), BitMask::new(&[0; 2], 8, 2).unwrap());
+/// let Ok(Bytes(bytes)) = Writer::new(&header, [Some(image), None])?.write(Bytes(Vec::new()));
+/// let shot = Shot::new(&bytes)?;
+/// shot.verify()?;
+/// assert_eq!((shot.header().time_ns, shot.images()[0].unwrap().0.pixels()), (7, &[9; 16][..]));
+/// # Ok::<(), compass_core::vision::shot::ShotError>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Writer<'a> {
     header: Header,

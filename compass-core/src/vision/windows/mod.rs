@@ -73,6 +73,14 @@ impl Window {
     pub const EMPTY: Self = Self { columns: [0; 2], rows: [0; 2], score: LogOdds::ZERO, camera: 0 };
 
     /// Azimuths of the right and the left edge, degrees counter-clockwise from the heading; the first in -180 to 180.
+    ///
+    /// ```
+    /// use compass_core::vision::panorama::Resolution;
+    /// use compass_core::vision::windows::Window;
+    ///
+    /// let window = Window { columns: [340, 380], rows: [50, 70], ..Window::EMPTY };
+    /// assert_eq!(window.azimuth_deg(Resolution::COARSE), [-10.0, 10.0]);
+    /// ```
     #[must_use]
     pub fn azimuth_deg(&self, resolution: Resolution) -> [f32; 2] {
         let [left, right] = self.columns.map(|c| 180.0 - f32::from(c) / resolution.per_degree() as f32);
@@ -81,6 +89,14 @@ impl Window {
     }
 
     /// Elevations of sill and lintel, degrees.
+    ///
+    /// ```
+    /// use compass_core::vision::panorama::Resolution;
+    /// use compass_core::vision::windows::Window;
+    ///
+    /// let window = Window { columns: [340, 380], rows: [50, 70], ..Window::EMPTY };
+    /// assert_eq!(window.elevation_deg(Resolution::COARSE), [0.0, 10.0]);
+    /// ```
     #[must_use]
     pub fn elevation_deg(&self, resolution: Resolution) -> [f32; 2] {
         let [top, bottom] = self.rows.map(|r| TOP_DEG as f32 - f32::from(r) / resolution.per_degree() as f32);
@@ -123,6 +139,43 @@ impl WindowEvidence {
 }
 
 /// Finds windows in the frames of a rig, added one camera at a time.
+///
+/// # Formats
+/// Gray levels and segments to log odds: scores of boxes and evidence are I8F8 nats, positions whole cells of the
+/// [`Resolution`].
+///
+/// # Cost
+/// Measured as `windows` in `targets/budget.txt`.
+///
+/// # References
+/// Boxes are chosen by weighted interval scheduling: J. Kleinberg and E. Tardos, "Algorithm Design", 2005, section 6.1.
+///
+/// ```
+/// # use compass_core::vision::camera::Equidistant;
+/// # use compass_core::{Bearing, Camera, CameraError, ExclusionMask, GrayImage, Hit, Intrinsics, Rig, View};
+/// # use compass_core::vision::level_frame::LevelFrame;
+/// # use compass_core::vision::panorama::Resolution;
+/// # use compass_core::vision::windows::*;
+/// // A blank frame of camera 0, which looks ahead.
+/// let intrinsics = Intrinsics { fx: 10.0, fy: 10.0, cx: 19.5, cy: 19.5 };
+/// let view = View::new(Camera::Equidistant(Equidistant::new(intrinsics)?), 40, 40);
+/// let rig = Rig::new([Some(view), None])?;
+/// let (resolution, level) = (Resolution::of(&view), LevelFrame::new(&-Bearing::y()).unwrap());
+/// let buffers = Buffers {
+///     gray: &mut vec![0; resolution.cells()],
+///     texture: &mut vec![0; resolution.cells()],
+///     columns: &mut vec![Column::EMPTY; resolution.columns() + 1],
+///     vertical_segments: &mut [VerticalSegment::EMPTY; 9],
+///     boxes: &mut [WindowBox::EMPTY; 9],
+/// };
+/// let mut finder = WindowFinder::new(buffers, resolution, &rig, level).unwrap();
+/// finder.add(0, &GrayImage::new(&[99; 1600], 40, 40).unwrap(), ExclusionMask::Unknown, &[]);
+/// let found = finder.finish(&mut [Window::EMPTY; 9]);
+/// // Walls, known ahead and unknown behind.
+/// assert_eq!((found.count, found.hit[0], found.truncated), (0, Hit::Wall, false));
+/// assert_eq!((found.confidence.sixteenths()[0], found.confidence.sixteenths()[180]), (15, 0));
+/// # Ok::<(), CameraError>(())
+/// ```
 #[derive(Debug)]
 pub struct WindowFinder<'a, 'r> {
     buffers: Buffers<'a>,
@@ -153,6 +206,9 @@ impl<'a, 'r> WindowFinder<'a, 'r> {
 
     // Inlined down to the loops over cells, like `segments::detect` and for the same reason.
     /// Adds one camera: its frame, smoothed if [`wants_smoothed`], and its segments. Ignores a camera that the rig lacks.
+    ///
+    /// # Cost
+    /// At most one bilinear sample per cell and one projection per 64 cells of the panorama.
     #[inline(always)]
     pub fn add(
         &mut self,
@@ -176,7 +232,11 @@ impl<'a, 'r> WindowFinder<'a, 'r> {
         }
     }
 
-    /// Finds the windows, at most as many as `windows` holds, in order of columns.
+    /// Finds the windows, at most as many as `windows` holds, in clockwise order.
+    ///
+    /// # Accuracy
+    /// Among the boxes that do not cross the cut of the circle, the chosen ones have the largest total score, and the log
+    /// odds are exact max-marginals of it (test `finds_the_best_choice`).
     ///
     /// # Cost
     /// A fixed number of passes over the cells; for each pair of at most 192 edges at most 32 columns of the box between
@@ -229,6 +289,14 @@ impl<'a, 'r> WindowFinder<'a, 'r> {
 
 /// Visits the edges that [`WindowFinder::finish`] groups near-vertical segments into, in order of columns; without the ends
 /// of the view.
+///
+/// ```
+/// use compass_core::vision::panorama::Resolution;
+/// use compass_core::vision::windows::{VerticalSegment, visit_edges};
+///
+/// // A segment without length is no edge.
+/// visit_edges(&mut [VerticalSegment::EMPTY], Resolution::COARSE, |_| unreachable!());
+/// ```
 pub fn visit_edges(segments: &mut [VerticalSegment], resolution: Resolution, visit: impl FnMut(&Edge)) {
     let mut edges = Vec::new();
     edges::gather(segments, resolution, &mut edges);
@@ -236,6 +304,17 @@ pub fn visit_edges(segments: &mut [VerticalSegment], resolution: Resolution, vis
 }
 
 /// Parameters of the segment detector for a view: lower thresholds than ELSED's, and a shorter window for small images.
+///
+/// ```
+/// # use compass_core::vision::camera::Equidistant;
+/// # use compass_core::{Camera, CameraError, Intrinsics, View};
+/// use compass_core::vision::windows::segment_parameters;
+///
+/// let intrinsics = Intrinsics { fx: 116.0, fy: 116.0, cx: 183.5, cy: 179.5 };
+/// let small = View::new(Camera::Equidistant(Equidistant::new(intrinsics)?), 368, 360);
+/// assert_eq!(segment_parameters(&small).min_length, 8);
+/// # Ok::<(), CameraError>(())
+/// ```
 #[must_use]
 pub fn segment_parameters(view: &crate::vision::camera::View) -> Parameters {
     let parameters = Parameters { gradient_threshold: 20, anchor_threshold: 4, ..Parameters::default() };
@@ -248,6 +327,18 @@ pub fn segment_parameters(view: &crate::vision::camera::View) -> Parameters {
 /// Whether the upper third of the windows is brighter than the lower third, as sky is than ground: `Some(false)` means that
 /// the up vector has the wrong sign; `None` without windows, or if the difference of mean rank is below 1/50 of the range.
 /// `rank` is [`Buffers::gray`] after [`WindowFinder::finish`].
+///
+/// ```
+/// use compass_core::vision::panorama::Resolution;
+/// use compass_core::vision::windows::{Window, sky_is_above};
+///
+/// // One column with a window of rows 0 to 29, the upper third bright.
+/// let mut rank = vec![0; Resolution::COARSE.cells()];
+/// rank[..10].fill(200);
+/// let window = Window { columns: [0, 1], rows: [0, 30], ..Window::EMPTY };
+/// assert_eq!(sky_is_above(&[window], &rank, Resolution::COARSE), Some(true));
+/// assert_eq!(sky_is_above(&[], &rank, Resolution::COARSE), None);
+/// ```
 #[must_use]
 pub fn sky_is_above(windows: &[Window], rank: &[u8], resolution: Resolution) -> Option<bool> {
     let (columns, height) = (resolution.columns(), resolution.rows());
@@ -273,6 +364,19 @@ pub fn sky_is_above(windows: &[Window], rank: &[u8], resolution: Resolution) -> 
 
 /// Whether a panorama of this resolution samples the view's image at a stride above 1.5 pixels, so that it needs the
 /// smoothed image against aliasing.
+///
+/// ```
+/// # use compass_core::vision::camera::Equidistant;
+/// # use compass_core::{Camera, CameraError, Intrinsics, View};
+/// use compass_core::vision::panorama::Resolution;
+/// use compass_core::vision::windows::wants_smoothed;
+///
+/// // 7.5 pixels per degree.
+/// let intrinsics = Intrinsics { fx: 430.0, fy: 430.0, cx: 703.5, cy: 690.5 };
+/// let view = View::new(Camera::Equidistant(Equidistant::new(intrinsics)?), 1408, 1382);
+/// assert!(wants_smoothed(&view, Resolution::FINE));
+/// # Ok::<(), CameraError>(())
+/// ```
 #[must_use]
 pub fn wants_smoothed(view: &crate::vision::camera::View, resolution: Resolution) -> bool {
     pixels_per_degree(view) > 1.5 * resolution.per_degree() as f32
@@ -351,6 +455,24 @@ fn window(b: &WindowBox, rig: &Rig, level: &LevelFrame, resolution: Resolution) 
 
 /// Bounding box `[x0, y0, x1, y1]`, pixels, of a window in the image of its camera, clamped to the image; `None` if no
 /// sampled point of it is in the camera's field. The window is sampled at 9 x 9 points.
+///
+/// ```
+/// # use compass_core::vision::camera::Equidistant;
+/// # use compass_core::{Bearing, Camera, CameraError, Intrinsics, Rig, View};
+/// # use compass_core::vision::level_frame::LevelFrame;
+/// # use compass_core::vision::panorama::Resolution;
+/// use compass_core::vision::windows::{Window, image_box};
+///
+/// let intrinsics = Intrinsics { fx: 100.0, fy: 100.0, cx: 99.5, cy: 99.5 };
+/// let view = View::new(Camera::Equidistant(Equidistant::new(intrinsics)?), 200, 200);
+/// let (rig, level) = (Rig::new([Some(view), None])?, LevelFrame::new(&-Bearing::y()).unwrap());
+/// // Ahead, 20 degrees wide, from the horizon to 10 degrees above.
+/// let window = Window { columns: [340, 380], rows: [50, 70], ..Window::EMPTY };
+/// let [x0, y0, x1, y1] = image_box(&window, &rig, &level, Resolution::COARSE).unwrap();
+/// assert!((x0 - 82.0).abs() < 0.1 && (x1 - 117.0).abs() < 0.1);
+/// assert!((y0 - 82.0).abs() < 0.1 && (y1 - 99.5).abs() < 0.1);
+/// # Ok::<(), CameraError>(())
+/// ```
 #[must_use]
 pub fn image_box(window: &Window, rig: &Rig, level: &LevelFrame, resolution: Resolution) -> Option<[f32; 4]> {
     /// Sampled points along each side.
