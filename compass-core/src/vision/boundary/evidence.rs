@@ -1,8 +1,8 @@
 //! Evidence of the boundaries of floor and ceiling, and the vote for the height of the ceiling.
 
+use super::cells::{CELLS, RUNGS};
 use super::ranges::{self, RangeLikelihoods};
 use super::tuning::CEILINGS;
-use super::{CELLS, RUNGS};
 use crate::base::ladder::height_m;
 use crate::base::num::{BINS, Nats};
 use core::cmp::Reverse;

@@ -12,36 +12,22 @@
 //! The weights are those of a conditional logit over the rungs of a direction, fitted to simulated frames of two floors
 //! (`docs/design.md`).
 
+mod cells;
 mod evidence;
 mod polar;
 mod ranges;
 mod support;
 mod tuning;
 
+pub use cells::{CELLS, RUNGS};
 pub use evidence::{BoundaryEvidence, MAX_CEILINGS};
 pub use ranges::{RangeEstimate, RangeLikelihoods};
 
-#[cfg(doc)]
-use crate::base::ladder::NOMINAL_HEIGHT_M;
-use crate::base::ladder::{NEAREST_LOG, RUNG};
-use crate::base::num::BINS;
 use crate::base::raster::GrayImage;
 use crate::vision::camera::Rig;
 use crate::vision::level_frame::LevelFrame;
 use crate::vision::projector::CameraView;
 use crate::vision::sample::ExclusionMask;
-
-/// Rungs of the raster: log range in units of the camera height.
-pub const RUNGS: usize = 90;
-/// Number of surfaces: floor, ceiling.
-const SURFACES: usize = 2;
-/// Natural logarithm of the near end of rung 0 in units of the camera height: for [`NOMINAL_HEIGHT_M`] the middle of rung
-/// [`LEAD`] is rung 0 of the range ladder.
-const DEEPEST: f32 = NEAREST_LOG - (LEAD as f32 + 0.5) * RUNG;
-/// Rungs below rung 0 of the range ladder, for the nominal height.
-const LEAD: usize = 9;
-/// Bytes of [`Buffers::edges`] and of [`Buffers::support`].
-pub const CELLS: usize = SURFACES * RUNGS * BINS;
 
 /// Share, in millionths, of the edges within [`EDGE_LEVELS`] of those of exact projection.
 pub const EDGES_PPM: u32 = 900_000;

@@ -4,7 +4,7 @@
 //! `u` are equal steps of log range for every camera height: a different height shifts the rows. The ceiling is mirrored at
 //! the horizon, with its own height above the camera.
 
-use super::{DEEPEST, RUNGS, SURFACES};
+use super::cells::{DEEPEST, RUNGS, SURFACES};
 use crate::base::ladder::RUNG;
 use crate::base::num::{BINS, count_as_i32, index_of};
 use crate::base::raster::GrayImage;

@@ -1,7 +1,7 @@
 //! Log-likelihood ratios of ranges, from boundary evidence and the height of the ceiling.
 
+use super::cells::{LEAD, RUNGS};
 use super::tuning::{AGREEING, CEILINGS, OUTLIERS_TENTHS, PRIOR_LINEAR, PRIOR_SQUARE, ROOMS_M, VOTE_STRIDE};
-use super::{LEAD, RUNGS};
 use crate::base::ladder::{NEAREST_M, RANGE_RUNGS, RUNG, height_rungs};
 use crate::base::num::{BINS, CellNats, Nats, ToFloat as _, count_as_i32, round_to_i8};
 use bytemuck::{Pod, Zeroable};

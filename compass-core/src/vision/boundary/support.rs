@@ -3,7 +3,7 @@
 //! Boundaries are continuous: along a wall the rung changes by about one per degree at most. The evidence of a cell is a
 //! weighted sum of its edge and of the strongest edges within reach in the three bins on either side.
 
-use super::RUNGS;
+use super::cells::RUNGS;
 use super::tuning::{LEAST_SCALE, PERCENT, REACH, WEIGHTS};
 #[cfg(doc)]
 use crate::base::num::SupportNats;

@@ -1,5 +1,7 @@
 use super::*;
+use crate::base::ladder::RUNG;
 use crate::base::ladder::{HEIGHTS_M, NOMINAL_HEIGHT_M, height_m, height_rungs};
+use crate::base::num::BINS;
 use crate::vision::camera::{Camera, Equidistant, Intrinsics, Pixel, View};
 use crate::vision::level_frame::LevelFrame;
 use nalgebra::Vector3;

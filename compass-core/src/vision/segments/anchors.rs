@@ -3,6 +3,7 @@
 use super::cell::{MAGNITUDE_SHIFT, VERTICAL, strength};
 use super::draw::Drawing;
 use super::gradient::triples;
+use super::parameters::MAX_SIDE;
 use super::walk::Position;
 use crate::base::num::{count_as_i32, index_of};
 
@@ -76,7 +77,7 @@ const BITS: [u16; BAND] = {
 /// Rows of anchors summarized by one word.
 const BLOCK: usize = 32;
 /// Blocks of the highest image.
-const MAX_BLOCKS: usize = super::MAX_SIDE as usize / INTERVAL / BLOCK;
+const MAX_BLOCKS: usize = MAX_SIDE as usize / INTERVAL / BLOCK;
 
 /// Draws from all anchors, column by column.
 pub(super) fn visit(drawing: &mut Drawing<'_, '_>, anchors: &[u32]) {

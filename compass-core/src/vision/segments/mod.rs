@@ -24,7 +24,7 @@ mod smooth;
 mod validate;
 mod walk;
 
-pub use parameters::Parameters;
+pub use parameters::{MAX_SIDE, Parameters};
 pub use segment::Segment;
 
 use crate::base::num::saturate_to_u32;
@@ -38,9 +38,6 @@ use core::fmt;
 /// length, not after every pixel; validation samples the gradient across the line at whole pixels along it, before other
 /// lines cross it; each attempt to jump a gap is tested on its own pixels alone; walks end at the image border.
 pub const SEGMENT_COVERAGE: f32 = 0.9;
-
-/// Longest side of an image, in pixels.
-pub const MAX_SIDE: u32 = 8192;
 
 /// Elements of [`Workspace::cells`] and of [`Workspace::smoothed`] for an image.
 #[must_use]

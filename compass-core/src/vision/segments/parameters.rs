@@ -2,6 +2,9 @@
 
 use super::line;
 
+/// Longest side of an image, in pixels.
+pub const MAX_SIDE: u32 = 8192;
+
 /// Parameters of the detector. The defaults are those of ELSED.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Parameters {

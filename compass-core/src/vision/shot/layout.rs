@@ -1,12 +1,12 @@
 //! The header of a shot, word by word.
 
-use super::{Header, ShotError};
+use super::error::{ShotError, VERSION};
+use super::header::Header;
 use crate::base::crc::CRC32;
 use crate::vision::camera::{Bearing, Camera, Equidistant, Eucm, Intrinsics, KannalaBrandt, Rig, View};
 use nalgebra::{Matrix3, Vector3};
 
 pub(super) const MAGIC: [u8; 8] = *b"CMPSSHOT";
-pub(super) const VERSION: u32 = 1;
 
 /// Words of a camera.
 const VIEW_WORDS: usize = 22;

@@ -29,96 +29,22 @@
 //! The header is followed by the gray levels of each camera, row by row from the top, and its mask in the layout of
 //! [`BitMask`]; the last 4 bytes are the CRC-32 of all bytes before them.
 
+mod error;
+mod header;
 mod layout;
 mod write;
 
+pub use error::ShotError;
+pub use header::Header;
 pub use write::Writer;
 
 use crate::base::crc::CRC32;
 use crate::base::ladder::HEIGHTS_M;
 use crate::base::raster::{BitMask, GrayImage};
-use crate::vision::camera::{Bearing, CameraError, Rig};
-use core::fmt;
 use layout::{HEADER_BYTES, Words};
 
 #[cfg(doc)]
 use crate::vision::camera::{Equidistant, Eucm, KannalaBrandt};
-
-/// Error of reading or writing a shot.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[non_exhaustive]
-pub enum ShotError {
-    /// The bytes do not start with the magic of a shot.
-    Magic,
-    /// The format version is this one, not the supported one.
-    Version(u32),
-    /// The checksum of the header does not match it.
-    HeaderChecksum,
-    /// The up vector is 0 or not finite.
-    Up,
-    /// The height of the camera is outside [`HEIGHTS_M`].
-    Height,
-    /// The number of a camera's lens model is unknown.
-    Lens(u32),
-    /// A lens or the rig is invalid.
-    Camera(CameraError),
-    /// An image is missing, differs in size from its view, or belongs to a camera that the rig lacks.
-    Image,
-    /// The number of bytes differs from that of the header.
-    Length,
-    /// The checksum of the whole shot does not match.
-    Checksum,
-}
-
-impl fmt::Display for ShotError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Magic => f.write_str("shot magic is missing: not a file of packed frames"),
-            Self::Version(v) => write!(f, "shot version is {v}, this program reads {}", layout::VERSION),
-            Self::HeaderChecksum => f.write_str("shot header checksum does not match: the header is damaged"),
-            Self::Up => f.write_str("shot up vector is 0 or not finite"),
-            Self::Height => {
-                let [least, most] = HEIGHTS_M;
-                write!(f, "shot camera height is outside {least} to {most} m")
-            }
-            Self::Lens(number) => write!(f, "shot lens number {number} is unknown"),
-            Self::Camera(error) => error.fmt(f),
-            Self::Image => f.write_str("shot images do not match the rig's cameras"),
-            Self::Length => f.write_str(
-                "shot length does not match its header: the file is truncated or has trailing bytes",
-            ),
-            Self::Checksum => f.write_str("shot checksum does not match: the file is damaged"),
-        }
-    }
-}
-
-impl core::error::Error for ShotError {}
-
-/// Metadata of a shot: all but its images.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Header {
-    /// Time stamp, nanoseconds since an arbitrary epoch.
-    pub time_ns: i64,
-    /// The cameras, at the resolution of the images.
-    pub rig: Rig,
-    /// Approximate up vector in camera 0, of any length above 0.
-    pub up: Bearing,
-    /// Height of camera 0 above the floor in metres, within [`HEIGHTS_M`], if it is known.
-    pub height_m: Option<f32>,
-}
-
-impl Header {
-    fn check(&self) -> Result<(), ShotError> {
-        let length = self.up.norm_squared();
-        if !(length > 0.0 && length.is_finite()) {
-            return Err(ShotError::Up);
-        }
-        let [least, most] = HEIGHTS_M;
-        let good = self.height_m.is_none_or(|height| (least..=most).contains(&height));
-        if good { Ok(()) } else { Err(ShotError::Height) }
-    }
-}
 
 /// Gray levels, and the mask of red pixels.
 pub type Image<'a> = (GrayImage<'a>, BitMask<'a>);
