@@ -39,7 +39,6 @@ pub use header::Header;
 pub use write::Writer;
 
 use crate::base::crc::CRC32;
-use crate::base::ladder::HEIGHTS_M;
 use crate::base::raster::{BitMask, GrayImage};
 use layout::{HEADER_BYTES, Words};
 
