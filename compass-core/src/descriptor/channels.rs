@@ -72,6 +72,19 @@ impl Descriptor {
     ///
     /// # References
     /// The paper's multi-channel scene signature.
+    ///
+    /// ```
+    /// use compass_core::descriptor::{Channel, Descriptor};
+    /// use compass_core::{Hit, Scan};
+    ///
+    /// // Walls at 3 m all around.
+    /// let mut descriptor = Descriptor::ZERO;
+    /// descriptor.fill(&Scan { steps: [150; 360], hit: [Hit::Wall; 360] });
+    /// let value = |channel| descriptor.channel(channel)[0].to_num::<f32>();
+    /// assert_eq!((value(Channel::HitType), value(Channel::Gradient)), (1.0, 0.0));
+    /// assert!((value(Channel::Range) - 0.1).abs() < 1e-4);
+    /// assert_eq!(value(Channel::Proximity), 0.25);
+    /// ```
     pub fn fill(&mut self, scan: &Scan) {
         let [range, hit_type, gradient, proximity, deviation] = &mut self.levels;
         for (level, &steps) in range.iter_mut().zip(&scan.steps) {

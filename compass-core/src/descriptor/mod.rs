@@ -17,6 +17,7 @@ pub mod signature;
 pub mod similarity;
 pub mod sketch;
 pub mod spectrum;
+#[cfg(feature = "paper-windows")]
 pub mod windows;
 
 /// [`BINS`] as a factor of sums.
@@ -38,6 +39,16 @@ use sketch::Sketch;
 /// The layer of a site map for a scan cast with heading 0: packed scan, signature and sketch.
 ///
 /// Signature and sketch are computed from the packed scan, so that they agree with what a reader unpacks.
+///
+/// ```
+/// use compass_core::descriptor::layer_of;
+/// use compass_core::descriptor::signature::Signature;
+/// use compass_core::map::site_map::Layer;
+/// use compass_core::{Hit, Scan};
+///
+/// let near = layer_of(&Scan { steps: [50; 360], hit: [Hit::Wall; 360] });
+/// assert_ne!(near, layer_of(&Scan::OPEN));
+/// ```
 #[must_use]
 pub fn layer_of(scan: &Scan) -> Layer {
     let packed = PackedScan::new(scan);

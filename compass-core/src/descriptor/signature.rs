@@ -39,6 +39,18 @@ impl Signature {
     ///
     /// # References
     /// The transition signature is not part of the paper.
+    ///
+    /// ```
+    /// use compass_core::descriptor::signature::Signature;
+    /// use compass_core::{Hit, Scan};
+    ///
+    /// let mut scan = Scan { steps: [100; 360], hit: [Hit::Wall; 360] };
+    /// scan.hit[20..40].fill(Hit::Window);
+    /// let signature = Signature::new(&scan);
+    /// assert_eq!(signature.0[..2], [10, 4], "20 bins of windows, 2 runs");
+    /// scan.hit.rotate_left(77);
+    /// assert_eq!(Signature::new(&scan), signature);
+    /// ```
     #[must_use]
     #[expect(clippy::cast_possible_truncation, reason = "half of at most 360 bins, and at most 254")]
     pub fn new(scan: &Scan) -> Self {

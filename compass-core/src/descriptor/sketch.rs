@@ -102,6 +102,27 @@ impl SketchQuery {
     ///
     /// # Cost
     /// 32 headings of 6 complex products.
+    ///
+    /// ```
+    /// # use compass_core::descriptor::similarity::{Candidate, Confidence, Query, Similarity, Weights};
+    /// # use compass_core::descriptor::Descriptor;
+    /// # use compass_core::{Hit, Scan};
+    /// #
+    /// # // A wall at 1 m in a quarter of the circle, at 10 m elsewhere.
+    /// # let mut scan = Scan { steps: [500; 360], hit: [Hit::Wall; 360] };
+    /// # scan.steps[..90].fill(50);
+    /// # let candidate = Candidate::from(&Descriptor::from(&scan));
+    /// # // The same from a heading of 77 degrees.
+    /// # scan.steps.rotate_left(77);
+    /// # let mut query = Query::EMPTY;
+    /// # query.set(&Descriptor::from(&scan), &Confidence::CERTAIN, Weights::EQUAL, Similarity::Centred);
+    /// use compass_core::descriptor::sketch::{Sketch, SketchQuery};
+    ///
+    /// // `query` is `candidate` from a heading of 77 degrees.
+    /// let ranked = SketchQuery::new(&query);
+    /// let open = Candidate::from(&Descriptor::from(&Scan::OPEN));
+    /// assert!(ranked.rank(&Sketch::new(&candidate)) > ranked.rank(&Sketch::new(&open)));
+    /// ```
     #[must_use]
     pub fn rank(&self, sketch: &Sketch) -> i32 {
         let mut products = [[0; 2]; SKETCH_HARMONICS];

@@ -52,6 +52,35 @@ impl Alternatives {
 ///
 /// # Cost
 /// A heap sort of `poses`, then at most [`MAX_ALTERNATIVES`] comparisons per pose.
+///
+/// ```
+/// # use compass_core::Site;
+/// # let bytes = std::fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/vectors/sample.site"))?;
+/// # let site = Site::new(&bytes)?;
+/// # let floor = site.floor(0).unwrap();
+/// # use compass_core::pose::{EvidenceTable, FloorLayer, PoolEntry, Rows, plane_of, refine, search, select_alternatives};
+/// # use compass_core::{Nats, Scan, ScoredPose, Turn};
+/// # let map = *floor.map();
+/// # let layer = FloorLayer { map, number: 0, plan: floor.plan(0).unwrap(), floor: 0, name: floor.name() };
+/// # let mut scan = Scan::OPEN;
+/// # map.get(7).unwrap().scan(&mut scan);
+/// # let mut table = Box::new(EvidenceTable::EMPTY);
+/// # for (bin, (steps, hit)) in scan.steps.iter().zip(scan.hit).enumerate() {
+/// #     table.set(plane_of(*steps, hit), bin, Nats::ONE);
+/// # }
+/// // Three poses: the second is turned by 5 degrees, the third by 90.
+/// let scored = |degrees, score| ScoredPose {
+///     layer: 0,
+///     at: map.position(7).unwrap(),
+///     heading: Turn::from_degrees(degrees),
+///     score: Nats::from_num(score),
+/// };
+/// let mut poses = [scored(0, 30), scored(5, 20), scored(90, 10)];
+/// let alternatives = select_alternatives(&[layer], &mut poses);
+/// assert_eq!(alternatives.poses(), [scored(0, 30), scored(90, 10)]);
+/// assert_eq!(alternatives.margin(), Nats::from_num(20));
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[must_use]
 pub fn select_alternatives(layers: &[FloorLayer<'_>], poses: &mut [ScoredPose]) -> Alternatives {
     order::sort_by_key(poses, ScoredPose::order);

@@ -28,6 +28,17 @@ pub const LIMIT: CellNats = CellNats::lit("5.5");
 /// # Accuracy
 /// [`EvidenceTable::at`] places a range within 0.0021 rung of its exact logarithm
 /// (test `values_between_rungs_are_interpolated_linearly`).
+///
+/// ```
+/// use compass_core::pose::{EvidenceTable, plane_of};
+/// use compass_core::{Hit, Nats};
+///
+/// // Evidence of a wall at 0.4 m, rung 0, straight ahead.
+/// let mut table = Box::new(EvidenceTable::EMPTY);
+/// table.set(plane_of(20, Hit::Wall), 0, Nats::ONE);
+/// assert_eq!(table.at(20, Hit::Wall, 0), Nats::ONE);
+/// assert_eq!(table.at(20, Hit::Window, 0), Nats::ZERO);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
 #[repr(transparent)]
 pub struct EvidenceTable {
@@ -176,6 +187,24 @@ const WEIGHT: f32 = 0.7;
 ///
 /// # Formats
 /// Sums are rounded to 1/16 nat and clamped to +-[`LIMIT`].
+///
+/// ```
+/// use compass_core::base::confidence::Confidence;
+/// use compass_core::base::num::LogOdds;
+/// use compass_core::pose::evidence::{EvidenceTable, weigh};
+/// use compass_core::vision::boundary::RangeLikelihoods;
+/// use compass_core::vision::windows::WindowEvidence;
+///
+/// // No evidence of ranges; a window with log odds 4 in all directions.
+/// let ranges = Box::new(RangeLikelihoods::EMPTY);
+/// let mut windows = WindowEvidence::NOTHING;
+/// windows.confidence = Confidence::CERTAIN;
+/// windows.evidence = [LogOdds::from_num(4); 360];
+/// let mut table = Box::new(EvidenceTable::EMPTY);
+/// weigh(&ranges, 0, &windows, &mut table);
+/// // Planes 0 and 72: wall and window at rung 0.
+/// assert!(table.get(0, 0) < 0 && table.get(72, 0) > 0);
+/// ```
 #[expect(clippy::cast_possible_truncation, reason = "planes are at most OPEN_PLANE")]
 pub fn weigh(ranges: &RangeLikelihoods, height: i8, windows: &WindowEvidence, table: &mut EvidenceTable) {
     let mut window = [Nats::ZERO; BINS];

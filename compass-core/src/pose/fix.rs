@@ -14,6 +14,10 @@ const LOG_ODDS_WRONG: f32 = 14.02;
 const LOG_ODDS_SLOPE: f32 = 3.26;
 
 /// The likeliest pose, its alternatives, and the heights of camera and ceiling estimated with it.
+///
+/// # Formats
+/// Positions in metres in the coordinates of the floor, headings counter-clockwise from +x, scores and margins in 1/16 nat,
+/// heights in metres. An example is in the documentation of the [crate].
 #[derive(Debug, Clone)]
 pub struct Fix<'a> {
     alternatives: Alternatives,

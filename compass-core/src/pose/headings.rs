@@ -50,6 +50,31 @@ impl Headings {
     ///
     /// Returns the number of poses at the front of `pool`, by descending score; 0 if `words` is shorter than
     /// [`Headings::words`].
+    ///
+    /// ```
+    /// # use compass_core::Site;
+    /// # let bytes = std::fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/vectors/sample.site"))?;
+    /// # let site = Site::new(&bytes)?;
+    /// # let floor = site.floor(0).unwrap();
+    /// # use compass_core::pose::{EvidenceTable, FloorLayer, PoolEntry, plane_of};
+    /// # use compass_core::{Nats, Scan};
+    /// # let map = *floor.map();
+    /// # let layer = FloorLayer { map, number: 0, plan: floor.plan(0).unwrap(), floor: 0, name: floor.name() };
+    /// # let mut scan = Scan::OPEN;
+    /// # map.get(7).unwrap().scan(&mut scan);
+    /// # let mut table = Box::new(EvidenceTable::EMPTY);
+    /// # for (bin, (steps, hit)) in scan.steps.iter().zip(scan.hit).enumerate() {
+    /// #     table.set(plane_of(*steps, hit), bin, Nats::ONE);
+    /// # }
+    /// use compass_core::pose::Headings;
+    ///
+    /// // `table` is evidence of the scan of candidate 7.
+    /// let headings = Headings::N40;
+    /// let (mut words, mut pool) = (vec![0; headings.words()], [PoolEntry::EMPTY; 64]);
+    /// assert!(headings.search(&table, &mut words, &[layer], &mut pool) > 0);
+    /// assert_eq!(headings.search(&table, &mut [], &[layer], &mut pool), 0, "too few words");
+    /// # Ok::<(), Box<dyn core::error::Error>>(())
+    /// ```
     #[must_use]
     pub fn search(
         &self,

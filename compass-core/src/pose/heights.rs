@@ -94,6 +94,18 @@ impl HeightPrior {
 ///
 /// Both heights hardly change within a sequence, and a frame that is localized wrongly usually has wrong heights too.
 /// The medians over the sure frames are therefore a prior for the next frame, and a test of its result.
+///
+/// ```
+/// use compass_core::pose::heights::{HeightMemory, Heights};
+///
+/// let mut memory = HeightMemory::new();
+/// // Two frames at 1.5 m, one at 1.5 m and 10 rungs: the median is 1.5 m.
+/// for rungs in [0, 10, 0] {
+///     memory.learn(Heights::from_rungs([rungs, 0]));
+/// }
+/// assert_eq!(memory.prior().camera_m(), Some(1.5));
+/// assert!(!memory.is_like(Heights::from_rungs([10, 0])));
+/// ```
 #[derive(Debug, Clone, Default)]
 pub struct HeightMemory {
     /// Oldest first.

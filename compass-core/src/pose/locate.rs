@@ -87,6 +87,49 @@ type Found = (ScoredPose, i8);
 /// Per ceiling height one [`search`](super::search()) per camera height, and refinement of [`Effort::refined_poses`] poses.
 /// An unknown camera height takes about 7 searches, and 14 more if the result is not sure and
 /// [`Effort::finer_heights`] is set. Cortex-M7, with [`Effort::LITTLE`] and 40 headings: `locate` in `targets/budget.txt`.
+///
+/// # References
+/// The paper matches descriptors; maximum likelihood under evidence is described in `docs/design.md`.
+///
+/// ```
+/// # use compass_core::Site;
+/// # let bytes = std::fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/vectors/sample.site"))?;
+/// # let site = Site::new(&bytes)?;
+/// # let floor = site.floor(0).unwrap();
+/// # let map = *floor.map();
+/// use compass_core::HeightPrior;
+/// use compass_core::base::num::LogOdds;
+/// use compass_core::base::confidence::Confidence;
+/// use compass_core::pose::locate::{Effort, Work, locate};
+/// use compass_core::pose::{EvidenceTable, FloorLayer, Headings, PoolEntry};
+/// use compass_core::vision::boundary::{BoundaryEvidence, CELLS, RangeLikelihoods};
+/// use compass_core::vision::windows::WindowEvidence;
+///
+/// // Hit types alone: no boundary was seen, and windows where the plan has them at candidate 7.
+/// let cells = vec![0; CELLS];
+/// let boundaries = BoundaryEvidence::new(&cells, [false; 360]).unwrap();
+/// let mut scan = compass_core::Scan::OPEN;
+/// map.get(7).unwrap().scan(&mut scan);
+/// let mut windows = WindowEvidence::NOTHING;
+/// windows.confidence = Confidence::CERTAIN;
+/// windows.evidence = scan.hit.map(|hit| LogOdds::from_num(if hit == compass_core::Hit::Window { 4 } else { -4 }));
+///
+/// let layer = FloorLayer { map, number: 0, plan: floor.plan(0).unwrap(), floor: 0, name: floor.name() };
+/// let headings = Headings::N40;
+/// let mut work = Work {
+///     ranges: &mut Box::new(RangeLikelihoods::EMPTY),
+///     table: &mut Box::new(EvidenceTable::EMPTY),
+///     headings,
+///     rows: &mut vec![0; headings.words()],
+///     pool: &mut [PoolEntry::EMPTY; 64],
+///     effort: Effort::LITTLE,
+/// };
+/// let fix = locate(&boundaries, HeightPrior::camera(1.5), &windows, &[layer], &mut work);
+/// assert_eq!(fix.floor_name(), Some(floor.name()));
+/// assert_eq!(fix.camera_height_m(), 1.5);
+/// assert!(fix.margin() < fix.best().unwrap().score, "windows alone leave alternatives");
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 pub fn locate<'a>(
     boundaries: &BoundaryEvidence<'_>,
     known: HeightPrior,

@@ -39,6 +39,20 @@ static WALL_PLANES: [u8; 256] = {
 ///
 /// # Accuracy
 /// Exact sums: scores equal those of the table summed cell by cell (test `scores_equal_the_direct_sum`).
+///
+/// ```
+/// use compass_core::pose::{EvidenceTable, Rows};
+/// use compass_core::{Nats, Scan};
+///
+/// // Evidence of open directions, 1 nat in each.
+/// let mut table = Box::new(EvidenceTable::EMPTY);
+/// table.set_plane(compass_core::pose::OPEN_PLANE, &[Nats::ONE; 360]);
+/// let mut rows = Box::new(Rows::<40>::BLANK);
+/// rows.set(&table);
+/// let mut scores = [0; 40];
+/// rows.scores(&Rows::planes(&Scan::OPEN), &mut scores);
+/// assert_eq!(scores, [40 * 16; 40], "40 nats at every heading");
+/// ```
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(transparent)]
 pub struct Rows<const N: usize> {

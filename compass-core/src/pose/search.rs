@@ -104,6 +104,32 @@ impl PoolEntry {
 /// Per candidate N / 2 additions for each of N / 6 to N / 2 rough rays. Per candidate that is not rejected, 2 N additions
 /// for each run of equal planes: at most N runs; about 107 at N = 360 and 61 at N = 90 on an office floor. The suppression
 /// is quadratic in the size of the pool.
+///
+/// ```
+/// # use compass_core::Site;
+/// # let bytes = std::fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/vectors/sample.site"))?;
+/// # let site = Site::new(&bytes)?;
+/// # let floor = site.floor(0).unwrap();
+/// # use compass_core::pose::{EvidenceTable, FloorLayer, PoolEntry, Rows, plane_of, refine, search, select_alternatives};
+/// # use compass_core::{Nats, Scan, ScoredPose, Turn};
+/// # let map = *floor.map();
+/// # let layer = FloorLayer { map, number: 0, plan: floor.plan(0).unwrap(), floor: 0, name: floor.name() };
+/// # let mut scan = Scan::OPEN;
+/// # map.get(7).unwrap().scan(&mut scan);
+/// # let mut table = Box::new(EvidenceTable::EMPTY);
+/// # for (bin, (steps, hit)) in scan.steps.iter().zip(scan.hit).enumerate() {
+/// #     table.set(plane_of(*steps, hit), bin, Nats::ONE);
+/// # }
+/// // `table` is evidence of the scan of candidate 7, at heading 0.
+/// let mut rows = Box::new(Rows::<90>::BLANK);
+/// rows.set(&table);
+/// let mut pool = [PoolEntry::EMPTY; 64];
+/// let count = search(&rows, &[layer], |_, _| true, &mut pool);
+/// assert!(count > 1);
+/// let best = pool[0].pose(&[layer]).unwrap();
+/// assert_eq!((Some(best.at), best.heading), (map.position(7), Turn::ZERO));
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[inline]
 #[expect(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "at most 360 headings")]
 pub fn search<const N: usize>(

@@ -27,6 +27,20 @@ const ELSEWHERE: usize = 4;
 ///
 /// # Cost
 /// At most 4 times [`RANGE_RUNGS`] look-ups per direction.
+///
+/// ```
+/// use compass_core::pose::wall_check::compare;
+/// use compass_core::pose::{EvidenceTable, plane_of};
+/// use compass_core::{Hit, Nats, Scan};
+///
+/// // A wall drawn at 3 m in all directions; evidence of it ahead, and of one at 6 m to the left.
+/// let scan = Scan { steps: [150; 360], hit: [Hit::Wall; 360] };
+/// let mut table = Box::new(EvidenceTable::EMPTY);
+/// table.set(plane_of(150, Hit::Wall), 0, Nats::ONE);
+/// table.set(plane_of(300, Hit::Wall), 90, Nats::ONE);
+/// let values = compare(&table, &scan);
+/// assert_eq!([values[0], values[90], values[180]].map(|value| value.to_num::<f32>()), [1.0, -1.0, 0.0]);
+/// ```
 #[must_use]
 pub fn compare(table: &EvidenceTable, scan: &Scan) -> [BinNats; BINS] {
     let mut verdicts = [BinNats::ZERO; BINS];

@@ -110,6 +110,35 @@ struct LowQuery {
 ///
 /// # References
 /// The score is that of the paper; the bounds are not part of it.
+///
+/// ```
+/// # use compass_core::Site;
+/// # let bytes = std::fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/vectors/sample.site"))?;
+/// # let site = Site::new(&bytes)?;
+/// # let floor = site.floor(0).unwrap();
+/// # use compass_core::descriptor::Descriptor;
+/// # use compass_core::descriptor::signature::Signature;
+/// # use compass_core::descriptor::similarity::{Confidence, Query, Similarity, Weights};
+/// # use compass_core::Scan;
+/// # let map = floor.map();
+/// # let mut scan = Scan::OPEN;
+/// # map.get(7).unwrap().scan(&mut scan);
+/// # let mut query = Query::EMPTY;
+/// # query.set(&Descriptor::from(&scan), &Confidence::CERTAIN, Weights::EQUAL, Similarity::Centred);
+/// use compass_core::descriptor::matching::{Exact, Group, Index, Match, exhaustive};
+///
+/// let mut groups = vec![Group::EMPTY; Index::groups(map)];
+/// for (number, group) in groups.iter_mut().enumerate() {
+///     group.fill(map, number);
+/// }
+/// let index = Index::new(&groups, map).unwrap();
+/// // `query` is the scan of candidate 7.
+/// let (mut bounds, mut pool, mut work) = (vec![0; map.len()], [Match::NONE; 400], Box::new(Exact::new()));
+/// let answer = exhaustive(&index, map, &query, None, &mut work, &mut bounds, &mut pool).unwrap();
+/// assert!(answer.exhaustive);
+/// assert_eq!(answer.best().map(|best| (best.candidate, best.peak.shift)), Some((7, 0)));
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 pub fn exhaustive(
     index: &Index<'_>,
     map: &SiteMap<'_>,

@@ -16,6 +16,29 @@ const STEPS: usize = 16 * 255 / STEP + 1;
 ///
 /// # Cost
 /// One pass over the map, reading 16 bytes per candidate.
+///
+/// ```
+/// # use compass_core::Site;
+/// # let bytes = std::fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/vectors/sample.site"))?;
+/// # let site = Site::new(&bytes)?;
+/// # let floor = site.floor(0).unwrap();
+/// # use compass_core::descriptor::Descriptor;
+/// # use compass_core::descriptor::signature::Signature;
+/// # use compass_core::descriptor::similarity::{Confidence, Query, Similarity, Weights};
+/// # use compass_core::Scan;
+/// # let map = floor.map();
+/// # let mut scan = Scan::OPEN;
+/// # map.get(7).unwrap().scan(&mut scan);
+/// # let mut query = Query::EMPTY;
+/// # query.set(&Descriptor::from(&scan), &Confidence::CERTAIN, Weights::EQUAL, Similarity::Centred);
+/// use compass_core::descriptor::matching::nearest_signatures;
+///
+/// // The scan of candidate 7 has its signature: distance 0.
+/// let signature = Signature::new(&scan);
+/// assert_eq!(nearest_signatures(map, &signature, 1), 15);
+/// assert!(nearest_signatures(map, &signature, map.len()) > 15);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[must_use]
 #[expect(clippy::cast_possible_truncation, reason = "at most 16 * 257 - 1")]
 pub fn nearest_signatures(map: &SiteMap<'_>, query: &Signature, keep: usize) -> u16 {

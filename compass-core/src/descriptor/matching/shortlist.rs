@@ -110,6 +110,29 @@ pub(super) fn local_peaks(scores: &[Score; BINS]) -> impl Iterator<Item = u16> {
 /// # Cost
 /// One [`SketchQuery::rank`] per candidate, and `ranked.len()` candidates scored at all headings. Cortex-M7: `localize` in
 /// `targets/budget.txt`.
+///
+/// ```
+/// # use compass_core::Site;
+/// # let bytes = std::fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/vectors/sample.site"))?;
+/// # let site = Site::new(&bytes)?;
+/// # let floor = site.floor(0).unwrap();
+/// # use compass_core::descriptor::Descriptor;
+/// # use compass_core::descriptor::signature::Signature;
+/// # use compass_core::descriptor::similarity::{Confidence, Query, Similarity, Weights};
+/// # use compass_core::Scan;
+/// # let map = floor.map();
+/// # let mut scan = Scan::OPEN;
+/// # map.get(7).unwrap().scan(&mut scan);
+/// # let mut query = Query::EMPTY;
+/// # query.set(&Descriptor::from(&scan), &Confidence::CERTAIN, Weights::EQUAL, Similarity::Centred);
+/// use compass_core::descriptor::matching::{Board, Match, shortlist};
+///
+/// // `query` is the scan of candidate 7.
+/// let (mut board, mut ranked, mut pool) = (Box::new(Board::new()), [(0, 0); 16], [Match::NONE; 64]);
+/// let answer = shortlist(map, &query, None, &mut board, &mut ranked, &mut pool);
+/// assert_eq!(answer.best().map(|best| (best.candidate, best.peak.shift)), Some((7, 0)));
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[expect(clippy::cast_possible_truncation, reason = "the number of candidates of a map has 32 bits")]
 pub fn shortlist(
     map: &SiteMap<'_>,

@@ -76,6 +76,23 @@ impl Query {
     ///
     /// # Cost
     /// Linear in the 5 x 360 values.
+    ///
+    /// ```
+    /// use compass_core::descriptor::similarity::{Candidate, Confidence, Query, Similarity, Weights};
+    /// use compass_core::descriptor::Descriptor;
+    /// use compass_core::{Hit, Scan};
+    ///
+    /// // A wall at 1 m in a quarter of the circle, at 10 m elsewhere.
+    /// let mut scan = Scan { steps: [500; 360], hit: [Hit::Wall; 360] };
+    /// scan.steps[..90].fill(50);
+    /// let candidate = Candidate::from(&Descriptor::from(&scan));
+    /// // The same from a heading of 77 degrees.
+    /// scan.steps.rotate_left(77);
+    /// let mut query = Query::EMPTY;
+    /// query.set(&Descriptor::from(&scan), &Confidence::CERTAIN, Weights::EQUAL, Similarity::Centred);
+    /// assert!(!query.is_masked());
+    /// assert!(query.score(&candidate, 77).to_num::<f32>() > 0.999);
+    /// ```
     pub fn set(
         &mut self,
         descriptor: &Descriptor,
@@ -159,6 +176,24 @@ impl Query {
     ///
     /// # Cost
     /// 5 dot products of 360 bins, or 15 for a masked query; channels of weight 0 are skipped.
+    ///
+    /// ```
+    /// # use compass_core::descriptor::similarity::{Candidate, Confidence, Query, Similarity, Weights};
+    /// # use compass_core::descriptor::Descriptor;
+    /// # use compass_core::{Hit, Scan};
+    /// #
+    /// # // A wall at 1 m in a quarter of the circle, at 10 m elsewhere.
+    /// # let mut scan = Scan { steps: [500; 360], hit: [Hit::Wall; 360] };
+    /// # scan.steps[..90].fill(50);
+    /// # let candidate = Candidate::from(&Descriptor::from(&scan));
+    /// # // The same from a heading of 77 degrees.
+    /// # scan.steps.rotate_left(77);
+    /// # let mut query = Query::EMPTY;
+    /// # query.set(&Descriptor::from(&scan), &Confidence::CERTAIN, Weights::EQUAL, Similarity::Centred);
+    /// // `query` is `candidate` from a heading of 77 degrees.
+    /// assert!(query.score(&candidate, 77).to_num::<f32>() > 0.999);
+    /// assert!(query.score(&candidate, 0).to_num::<f32>() < 0.5);
+    /// ```
     #[must_use]
     pub fn score(&self, candidate: &Candidate, shift: usize) -> Score {
         let (numerator, norm) = self.parts(candidate, shift);
@@ -214,6 +249,27 @@ impl Query {
     ///
     /// # Cost
     /// One [`Correlator::correlate`], and [`Query::score`] at the shifts near the maximum; for a masked query at 360 shifts.
+    ///
+    /// ```
+    /// # use compass_core::descriptor::similarity::{Candidate, Confidence, Query, Similarity, Weights};
+    /// # use compass_core::descriptor::Descriptor;
+    /// # use compass_core::{Hit, Scan};
+    /// #
+    /// # // A wall at 1 m in a quarter of the circle, at 10 m elsewhere.
+    /// # let mut scan = Scan { steps: [500; 360], hit: [Hit::Wall; 360] };
+    /// # scan.steps[..90].fill(50);
+    /// # let candidate = Candidate::from(&Descriptor::from(&scan));
+    /// # // The same from a heading of 77 degrees.
+    /// # scan.steps.rotate_left(77);
+    /// # let mut query = Query::EMPTY;
+    /// # query.set(&Descriptor::from(&scan), &Confidence::CERTAIN, Weights::EQUAL, Similarity::Centred);
+    /// use compass_core::descriptor::spectrum::Correlator;
+    ///
+    /// // `query` is `candidate` from a heading of 77 degrees.
+    /// let mut correlator = Box::new(Correlator::new());
+    /// query.load(&mut correlator);
+    /// assert_eq!(query.peak(&candidate, &mut correlator).shift, 77);
+    /// ```
     #[must_use]
     pub fn peak(&self, candidate: &Candidate, correlator: &mut Correlator) -> Peak {
         if self.is_masked() {
@@ -239,6 +295,30 @@ impl Query {
     /// # Cost
     /// One [`Correlator::correlate`]; for a masked query 360 times [`Query::score`]. Cortex-M7: `rank` in
     /// `targets/budget.txt` for the matching of a query.
+    ///
+    /// ```
+    /// # use compass_core::descriptor::similarity::{Candidate, Confidence, Query, Similarity, Weights};
+    /// # use compass_core::descriptor::Descriptor;
+    /// # use compass_core::{Hit, Scan};
+    /// #
+    /// # // A wall at 1 m in a quarter of the circle, at 10 m elsewhere.
+    /// # let mut scan = Scan { steps: [500; 360], hit: [Hit::Wall; 360] };
+    /// # scan.steps[..90].fill(50);
+    /// # let candidate = Candidate::from(&Descriptor::from(&scan));
+    /// # // The same from a heading of 77 degrees.
+    /// # scan.steps.rotate_left(77);
+    /// # let mut query = Query::EMPTY;
+    /// # query.set(&Descriptor::from(&scan), &Confidence::CERTAIN, Weights::EQUAL, Similarity::Centred);
+    /// use compass_core::base::num::Score;
+    /// use compass_core::descriptor::spectrum::Correlator;
+    ///
+    /// // `query` is `candidate` from a heading of 77 degrees.
+    /// let mut correlator = Box::new(Correlator::new());
+    /// query.load(&mut correlator);
+    /// let mut scores = [Score::ZERO; 360];
+    /// query.scores(&candidate, &mut correlator, &mut scores);
+    /// assert!(scores.iter().all(|score| *score <= scores[77]));
+    /// ```
     pub fn scores(&self, candidate: &Candidate, correlator: &mut Correlator, out: &mut [Score; BINS]) {
         if self.is_masked() {
             for (shift, score) in out.iter_mut().enumerate() {

@@ -36,6 +36,20 @@ const FULL_SCALE_BITS: u32 = 29;
 ///
 /// # References
 /// Cross-correlation theorem; the extension to 1024 points is that of a circular convolution by a longer FFT.
+///
+/// ```
+/// use compass_core::descriptor::spectrum::{Correlator, Extent};
+///
+/// // One channel: an impulse at bin 10, and one at bin 87.
+/// let impulse = |at| move |_: usize, bin: usize| if bin == at { 1 << 20 } else { 0 };
+/// let mut correlator = Box::new(Correlator::new());
+/// correlator.set_query(1, impulse(10));
+/// let mut out = [0; 360];
+/// let exponent = correlator.correlate(Extent::of(1, impulse(87)), impulse(87), &mut out);
+/// let peak = f64::from(out[77]) * 2f64.powi(exponent);
+/// assert!((peak / 2f64.powi(40) - 1.0).abs() < 2f64.powi(-12));
+/// assert!(out.iter().all(|value| *value <= out[77]));
+/// ```
 #[derive(Debug, Clone)]
 pub struct Correlator {
     query: [Signal; PAIRS],

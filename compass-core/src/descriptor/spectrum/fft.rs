@@ -187,6 +187,16 @@ impl Complex {
 /// # References
 /// J. W. Cooley, J. W. Tukey, "An algorithm for the machine calculation of complex Fourier series", Math. Comp. 19, 1965;
 /// W. M. Gentleman, G. Sande, "Fast Fourier transforms: for fun and profit", AFIPS 1966 (decimation in frequency).
+///
+/// ```
+/// use compass_core::descriptor::spectrum::{Complex, forward};
+///
+/// // 8 equal points have harmonic 0 alone.
+/// let mut data = [Complex { re: 1000, im: 0 }; 8];
+/// assert!(forward(&mut data));
+/// assert_eq!(data[0], Complex { re: 1000, im: 0 });
+/// assert_eq!(data[1..], [Complex::ZERO; 7]);
+/// ```
 #[must_use]
 pub fn forward(data: &mut [Complex]) -> bool {
     let n = data.len();
@@ -281,6 +291,16 @@ pub(super) fn forward_padded(data: &mut [Complex; MAX_POINTS]) {
 ///
 /// # References
 /// Those of [`forward`].
+///
+/// ```
+/// use compass_core::descriptor::spectrum::{Complex, inverse};
+///
+/// // Harmonic 0 alone gives 8 equal points.
+/// let mut data = [Complex::ZERO; 8];
+/// data[0].re = 8000;
+/// assert!(inverse(&mut data));
+/// assert_eq!(data, [Complex { re: 1000, im: 0 }; 8]);
+/// ```
 #[must_use]
 pub fn inverse(data: &mut [Complex]) -> bool {
     let n = data.len();

@@ -94,6 +94,22 @@ impl core::error::Error for PaperError {}
 ///
 /// # References
 /// The paper's window detection.
+///
+/// ```
+/// use compass_core::GrayImage;
+/// use compass_core::descriptor::windows::{Edge, ImageWindow, Parameters, Proposal, Row, Workspace, find};
+///
+/// // A bright image of 8 x 6 pixels without segments has no windows, and a band of all its rows.
+/// let image = GrayImage::new(&[200; 48], 8, 6)?;
+/// let (mut rows, mut columns) = ([Row::default(); 6], [0; 8]);
+/// let (mut edges, mut proposals) = ([Edge::default(); 4], [Proposal::default(); 4]);
+/// let mut workspace =
+///     Workspace { rows: &mut rows, columns: &mut columns, edges: &mut edges, proposals: &mut proposals };
+/// let mut windows = [ImageWindow::default(); 4];
+/// let found = find(&image, None, &[], &Parameters::default(), &mut workspace, &mut windows)?;
+/// assert_eq!((found.count, found.band, found.truncated), (0, (0, 6), false));
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 pub fn find(
     image: &GrayImage<'_>,
     colour: Option<&RgbImage<'_>>,

@@ -102,6 +102,22 @@ impl Plan<'_> {
     ///
     /// # Cost
     /// Constant: two or three table look-ups.
+    ///
+    /// ```
+    /// # use compass_core::map::plan::{PlanGrid, pack};
+    /// # use compass_core::{BitMask, Point};
+    /// # let (walls, windows) = ([0b11111, 0b10001, 0b00001, 0b10001, 0b11111], [0, 0, 0b10000, 0, 0]);
+    /// # let (walls, windows) = (BitMask::new(&walls, 5, 5)?, BitMask::new(&windows, 5, 5)?);
+    /// # let grid = PlanGrid { resolution_nm: 100_000_000, origin: Point::default() };
+    /// # let mut bytes = [0; 256];
+    /// # let plan = pack(&walls, &windows, grid, &mut bytes)?;
+    /// use compass_core::Hit;
+    ///
+    /// assert_eq!(plan.hit_at(plan.cell_centre(0, 0)), Some(Hit::Wall));
+    /// assert_eq!(plan.hit_at(plan.cell_centre(2, 2)), Some(Hit::Open));
+    /// assert_eq!(plan.hit_at(plan.cell_centre(5, 2)), None);
+    /// # Ok::<(), Box<dyn core::error::Error>>(())
+    /// ```
     #[must_use]
     pub fn hit_at(&self, at: Point) -> Option<Hit> {
         let (x, y) = self.cells(at);
@@ -130,6 +146,24 @@ impl Plan<'_> {
     ///
     /// # References
     /// The paper's ray march: step 0.02 m, largest range 30 m.
+    ///
+    /// ```
+    /// # use compass_core::map::plan::{PlanGrid, pack};
+    /// # use compass_core::{BitMask, Point};
+    /// # let (walls, windows) = ([0b11111, 0b10001, 0b00001, 0b10001, 0b11111], [0, 0, 0b10000, 0, 0]);
+    /// # let (walls, windows) = (BitMask::new(&walls, 5, 5)?, BitMask::new(&windows, 5, 5)?);
+    /// # let grid = PlanGrid { resolution_nm: 100_000_000, origin: Point::default() };
+    /// # let mut bytes = [0; 256];
+    /// # let plan = pack(&walls, &windows, grid, &mut bytes)?;
+    /// use compass_core::{Hit, Scan, Turn};
+    ///
+    /// // In the middle of 5 x 5 cells of 0.1 m: walls around, a window in the east.
+    /// let mut scan = Scan::OPEN;
+    /// plan.scan(plan.cell_centre(2, 2), Turn::ZERO, &mut scan)?;
+    /// assert_eq!((scan.hit[0], scan.steps[0]), (Hit::Window, 8), "east, 0.16 m");
+    /// assert_eq!((scan.hit[90], scan.steps[90]), (Hit::Wall, 8), "north");
+    /// # Ok::<(), Box<dyn core::error::Error>>(())
+    /// ```
     pub fn scan(&self, at: Point, heading: Turn, out: &mut Scan) -> Result<(), MarchError> {
         let rays = self.rays(at, heading, 1)?;
         for (ray, (steps, hit)) in rays.zip(out.steps.iter_mut().zip(&mut out.hit)) {
@@ -146,6 +180,21 @@ impl Plan<'_> {
     ///
     /// # Cost
     /// Per ray that of [`Plan::scan`].
+    ///
+    /// ```
+    /// # use compass_core::map::plan::{PlanGrid, pack};
+    /// # use compass_core::{BitMask, Point};
+    /// # let (walls, windows) = ([0b11111, 0b10001, 0b00001, 0b10001, 0b11111], [0, 0, 0b10000, 0, 0]);
+    /// # let (walls, windows) = (BitMask::new(&walls, 5, 5)?, BitMask::new(&windows, 5, 5)?);
+    /// # let grid = PlanGrid { resolution_nm: 100_000_000, origin: Point::default() };
+    /// # let mut bytes = [0; 256];
+    /// # let plan = pack(&walls, &windows, grid, &mut bytes)?;
+    /// use compass_core::{Hit, Turn};
+    ///
+    /// let rays = plan.rays(plan.cell_centre(2, 2), Turn::ZERO, 90)?;
+    /// assert!(rays.map(|(_, hit)| hit).eq([Hit::Window, Hit::Wall, Hit::Wall, Hit::Wall]));
+    /// # Ok::<(), Box<dyn core::error::Error>>(())
+    /// ```
     #[inline]
     pub fn rays(
         &self,

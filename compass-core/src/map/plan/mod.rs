@@ -127,6 +127,26 @@ impl<'a> Plan<'a> {
     ///
     /// # Cost
     /// Constant: reads the header alone.
+    ///
+    /// ```
+    /// # use compass_core::map::plan::{PlanGrid, pack};
+    /// # use compass_core::{BitMask, Point};
+    /// # let (walls, windows) = ([0b11111, 0b10001, 0b00001, 0b10001, 0b11111], [0, 0, 0b10000, 0, 0]);
+    /// # let (walls, windows) = (BitMask::new(&walls, 5, 5)?, BitMask::new(&windows, 5, 5)?);
+    /// # let grid = PlanGrid { resolution_nm: 100_000_000, origin: Point::default() };
+    /// # let mut bytes = [0; 256];
+    /// # let plan = pack(&walls, &windows, grid, &mut bytes)?;
+    /// use compass_core::Plan;
+    /// use compass_core::map::plan::PlanError;
+    ///
+    /// // The packed plan of a mask of 5 x 5 cells.
+    /// let bytes = plan.as_bytes();
+    /// let plan = Plan::new(bytes)?;
+    /// assert_eq!((plan.width(), plan.height()), (5, 5));
+    /// assert!(plan.verify().is_ok());
+    /// assert_eq!(Plan::new(&bytes[1..]).err(), Some(PlanError::Magic));
+    /// # Ok::<(), Box<dyn core::error::Error>>(())
+    /// ```
     pub fn new(bytes: &'a [u8]) -> Result<Self, PlanError> {
         let header: &[u8; HEADER_BYTES] = bytes.first_chunk().ok_or(PlanError::Length)?;
         let (magic, rest) = header.split_first_chunk::<8>().ok_or(PlanError::Length)?;

@@ -51,6 +51,22 @@ fn layout(walls: &BitMask<'_>, windows: &BitMask<'_>) -> Result<Layout, PlanErro
 /// # References
 /// The two-pass distance transform: A. Rosenfeld, J. L. Pfaltz, "Sequential operations in digital picture
 /// processing", J. ACM 13 (4), 1966.
+///
+/// ```
+/// use compass_core::map::plan::{PlanGrid, pack, packed_len};
+/// use compass_core::{BitMask, Hit, Point};
+///
+/// // 5 x 5 cells of 0.1 m: walls around, a window in the east. The lowest bit is the west.
+/// let walls = [0b11111, 0b10001, 0b00001, 0b10001, 0b11111];
+/// let windows = [0, 0, 0b10000, 0, 0];
+/// let (walls, windows) = (BitMask::new(&walls, 5, 5)?, BitMask::new(&windows, 5, 5)?);
+/// let grid = PlanGrid { resolution_nm: 100_000_000, origin: Point::default() };
+/// let mut bytes = [0; 256];
+/// let plan = pack(&walls, &windows, grid, &mut bytes)?;
+/// assert_eq!(plan.as_bytes().len(), packed_len(&walls, &windows)?);
+/// assert_eq!(plan.hit_at(plan.cell_centre(4, 2)), Some(Hit::Window));
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 pub fn pack<'a>(
     walls: &BitMask<'_>,
     windows: &BitMask<'_>,

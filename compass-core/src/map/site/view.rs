@@ -29,6 +29,41 @@ impl<'a> Site<'a> {
     /// # Cost
     /// Reads the headers of all floors, not their contents.
     #[expect(clippy::cast_possible_truncation, reason = "at most 32 floors")]
+    ///
+    /// ```
+    /// # use compass_core::map::plan::{PlanGrid, pack};
+    /// # use compass_core::{BitMask, Point};
+    /// # let (walls, windows) = ([0b11111, 0b10001, 0b00001, 0b10001, 0b11111], [0, 0, 0b10000, 0, 0]);
+    /// # let (walls, windows) = (BitMask::new(&walls, 5, 5)?, BitMask::new(&windows, 5, 5)?);
+    /// # let grid = PlanGrid { resolution_nm: 100_000_000, origin: Point::default() };
+    /// # let mut bytes = [0; 256];
+    /// # let plan = pack(&walls, &windows, grid, &mut bytes)?;
+    /// # use compass_core::descriptor::layer_of;
+    /// # use compass_core::map::site_map::{Header, Sink, SiteMap, Writer};
+    /// # use compass_core::{Scan, Turn};
+    /// # struct File(Vec<u8>);
+    /// # impl Sink for File {
+    /// #     type Error = core::convert::Infallible;
+    /// #     fn append(&mut self, bytes: &[u8]) -> Result<(), Self::Error> {
+    /// #         self.0.extend_from_slice(bytes);
+    /// #         Ok(())
+    /// #     }
+    /// # }
+    /// # let (plan_size, plan_checksum) = ([5, 5], plan.checksum());
+    /// # let header = Header { candidates: 1, layers: 1, grid, spacing_mm: 100, plan_size, plan_checksum };
+    /// # let mut scan = Scan::OPEN;
+    /// # plan.scan(plan.cell_centre(2, 2), Turn::ZERO, &mut scan)?;
+    /// # let mut writer = Writer::new(File(Vec::new()), &header)?;
+    /// # writer.candidate([2, 2], &[layer_of(&scan)])?;
+    /// # let File(map_bytes) = writer.finish()?;
+    /// # use compass_core::Site;
+    /// # use compass_core::map::site::{self, Floor};
+    /// # let floors = [Floor::new("ground", SiteMap::new(&map_bytes)?, plan, None)?];
+    /// # let File(site_bytes) = site::Writer::new(&floors)?.write(File(Vec::new()))?;
+    /// let site = Site::new(&site_bytes)?;
+    /// assert_eq!(site.floor(0).map(|floor| floor.name()), Some("ground"));
+    /// # Ok::<(), Box<dyn core::error::Error>>(())
+    /// ```
     pub fn new(bytes: &'a [u8]) -> Result<Self, SiteError> {
         if !bytes.starts_with(&MAGIC) {
             let short = bytes.len() < MAGIC.len() && MAGIC.starts_with(bytes);
@@ -54,6 +89,43 @@ impl<'a> Site<'a> {
     ///
     /// # Cost
     /// Reads all bytes twice.
+    ///
+    /// ```
+    /// # use compass_core::map::plan::{PlanGrid, pack};
+    /// # use compass_core::{BitMask, Point};
+    /// # let (walls, windows) = ([0b11111, 0b10001, 0b00001, 0b10001, 0b11111], [0, 0, 0b10000, 0, 0]);
+    /// # let (walls, windows) = (BitMask::new(&walls, 5, 5)?, BitMask::new(&windows, 5, 5)?);
+    /// # let grid = PlanGrid { resolution_nm: 100_000_000, origin: Point::default() };
+    /// # let mut bytes = [0; 256];
+    /// # let plan = pack(&walls, &windows, grid, &mut bytes)?;
+    /// # use compass_core::descriptor::layer_of;
+    /// # use compass_core::map::site_map::{Header, Sink, SiteMap, Writer};
+    /// # use compass_core::{Scan, Turn};
+    /// # struct File(Vec<u8>);
+    /// # impl Sink for File {
+    /// #     type Error = core::convert::Infallible;
+    /// #     fn append(&mut self, bytes: &[u8]) -> Result<(), Self::Error> {
+    /// #         self.0.extend_from_slice(bytes);
+    /// #         Ok(())
+    /// #     }
+    /// # }
+    /// # let (plan_size, plan_checksum) = ([5, 5], plan.checksum());
+    /// # let header = Header { candidates: 1, layers: 1, grid, spacing_mm: 100, plan_size, plan_checksum };
+    /// # let mut scan = Scan::OPEN;
+    /// # plan.scan(plan.cell_centre(2, 2), Turn::ZERO, &mut scan)?;
+    /// # let mut writer = Writer::new(File(Vec::new()), &header)?;
+    /// # writer.candidate([2, 2], &[layer_of(&scan)])?;
+    /// # let File(map_bytes) = writer.finish()?;
+    /// # use compass_core::Site;
+    /// # use compass_core::map::site::{self, Floor};
+    /// # let floors = [Floor::new("ground", SiteMap::new(&map_bytes)?, plan, None)?];
+    /// # let File(site_bytes) = site::Writer::new(&floors)?.write(File(Vec::new()))?;
+    /// assert!(Site::new(&site_bytes)?.verify().is_ok());
+    /// let mut damaged = site_bytes;
+    /// *damaged.last_mut().unwrap() ^= 1;
+    /// assert!(Site::new(&damaged)?.verify().is_err());
+    /// # Ok::<(), Box<dyn core::error::Error>>(())
+    /// ```
     pub fn verify(&self) -> Result<(), SiteError> {
         for (number, floor) in (0..).zip(self.floors()) {
             floor.verify().map_err(|error| SiteError::Floor(number, error))?;

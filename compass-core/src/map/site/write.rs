@@ -11,6 +11,42 @@ use crate::base::crc::{Sink, Summed};
 ///
 /// # Cost
 /// Bytes are passed to the sink once, in order; 1.5 KiB of stack for the entries.
+///
+/// ```
+/// # use compass_core::map::plan::{PlanGrid, pack};
+/// # use compass_core::{BitMask, Point};
+/// # let (walls, windows) = ([0b11111, 0b10001, 0b00001, 0b10001, 0b11111], [0, 0, 0b10000, 0, 0]);
+/// # let (walls, windows) = (BitMask::new(&walls, 5, 5)?, BitMask::new(&windows, 5, 5)?);
+/// # let grid = PlanGrid { resolution_nm: 100_000_000, origin: Point::default() };
+/// # let mut bytes = [0; 256];
+/// # let plan = pack(&walls, &windows, grid, &mut bytes)?;
+/// # use compass_core::descriptor::layer_of;
+/// # use compass_core::map::site_map::{Header, Sink, SiteMap, Writer};
+/// # use compass_core::{Scan, Turn};
+/// # struct File(Vec<u8>);
+/// # impl Sink for File {
+/// #     type Error = core::convert::Infallible;
+/// #     fn append(&mut self, bytes: &[u8]) -> Result<(), Self::Error> {
+/// #         self.0.extend_from_slice(bytes);
+/// #         Ok(())
+/// #     }
+/// # }
+/// # let (plan_size, plan_checksum) = ([5, 5], plan.checksum());
+/// # let header = Header { candidates: 1, layers: 1, grid, spacing_mm: 100, plan_size, plan_checksum };
+/// # let mut scan = Scan::OPEN;
+/// # plan.scan(plan.cell_centre(2, 2), Turn::ZERO, &mut scan)?;
+/// # let mut writer = Writer::new(File(Vec::new()), &header)?;
+/// # writer.candidate([2, 2], &[layer_of(&scan)])?;
+/// # let File(map_bytes) = writer.finish()?;
+/// # use compass_core::Site;
+/// # use compass_core::map::site::{self, Floor};
+/// let floors = [Floor::new("ground", SiteMap::new(&map_bytes)?, plan, None)?];
+/// let writer = site::Writer::new(&floors)?;
+/// let File(site_bytes) = writer.write(File(Vec::new()))?;
+/// assert_eq!(site_bytes.len(), writer.site_bytes());
+/// assert_eq!(Site::new(&site_bytes)?.len(), 1);
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Writer<'f, 'a> {
     floors: &'f [Floor<'a>],

@@ -53,6 +53,16 @@ impl PackedScan {
     /// # Accuracy
     /// Ranges up to 60 steps (1.2 m) are exact, larger ones within 0.83 % and half a step
     /// (test `ranges_are_kept_within_half_a_rung`).
+    ///
+    /// ```
+    /// use compass_core::map::site_map::PackedScan;
+    /// use compass_core::{Hit, Scan};
+    ///
+    /// let scan = Scan { steps: [50; 360], hit: [Hit::Wall; 360] };
+    /// let mut unpacked = Scan::OPEN;
+    /// PackedScan::new(&scan).unpack(&mut unpacked);
+    /// assert_eq!(unpacked, scan, "1 m is exact");
+    /// ```
     #[must_use]
     pub fn new(scan: &Scan) -> Self {
         let mut bytes = [0; PACKED_SCAN_BYTES];

@@ -141,6 +141,34 @@ impl Track {
     /// Per hypothesis one [refinement](refine()), without odometry up to two: at most twice [`MAX_HYPOTHESES`]. Few
     /// hypotheses remain once the belief has converged. Each new pose is compared with the whole bank. Cortex-M7: `track`
     /// in `targets/budget.txt`.
+    ///
+    /// ```
+    /// # use compass_core::Site;
+    /// # let bytes = std::fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/vectors/sample.site"))?;
+    /// # let site = Site::new(&bytes)?;
+    /// # let floor = site.floor(0).unwrap();
+    /// # use compass_core::pose::{EvidenceTable, FloorLayer, plane_of};
+    /// # use compass_core::{Nats, Scan, ScoredPose, Turn};
+    /// # let map = *floor.map();
+    /// # let layer = FloorLayer { map, number: 0, plan: floor.plan(0).unwrap(), floor: 0, name: floor.name() };
+    /// # let mut scan = Scan::OPEN;
+    /// # map.get(7).unwrap().scan(&mut scan);
+    /// # let mut table = Box::new(EvidenceTable::EMPTY);
+    /// # for (bin, (steps, hit)) in scan.steps.iter().zip(scan.hit).enumerate() {
+    /// #     table.set(plane_of(*steps, hit), bin, Nats::ONE);
+    /// # }
+    /// use compass_core::Track;
+    /// use compass_core::pose::track::Observation;
+    ///
+    /// // One frame: evidence of the scan of candidate 7, and its pose.
+    /// let found = ScoredPose { layer: 0, at: map.position(7).unwrap(), heading: Turn::ZERO, score: Nats::ONE };
+    /// let observation = Observation { table: &table, poses: &[found], seconds: 0.0, motion: None };
+    /// let mut track = Track::new();
+    /// let estimate = track.step(&[layer], &observation).unwrap();
+    /// assert_eq!(estimate.pose, found);
+    /// assert!(estimate.probability > 0.99);
+    /// # Ok::<(), Box<dyn core::error::Error>>(())
+    /// ```
     pub fn step(&mut self, layers: &[FloorLayer<'_>], observation: &Observation<'_>) -> Option<Estimate> {
         core::mem::swap(&mut self.hypotheses, &mut self.former);
         self.hypotheses.clear();
