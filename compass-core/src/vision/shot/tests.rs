@@ -1,5 +1,4 @@
 use super::*;
-use crate::base::ladder::HEIGHTS_M;
 use crate::vision::camera::{Bearing, CameraError, Rig};
 use crate::map::site_map::Sink;
 use crate::vision::camera::{Camera, Eucm, Intrinsics, KannalaBrandt, View};
