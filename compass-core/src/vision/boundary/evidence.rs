@@ -110,7 +110,7 @@ impl<'a> BoundaryEvidence<'a> {
     /// Three passes over the cells.
     ///
     /// # References
-    /// D. McFadden, "Conditional Logit Analysis of Qualitative Choice Behavior", 1974.
+    /// D. L. `McFadden`, "Conditional Logit Analysis of Qualitative Choice Behavior", 1974.
     ///
     /// ```
     /// use compass_core::vision::boundary::{BoundaryEvidence, CELLS, RUNGS, RangeLikelihoods};
