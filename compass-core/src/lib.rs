@@ -2,8 +2,8 @@
 //!
 //! `compass-core` turns an architect's floor plan into compact descriptors and finds, among the
 //! descriptors of a whole building, the position and heading that explain what a robot sees. It
-//! allocates nothing, contains no `unsafe`, and gives the same bits on every target: integers, and where lenses and
-//! directions need them `f32`, through `libm` alone and without fused operations.
+//! allocates nothing, contains no `unsafe`, and gives the same bits on every target: integers, and `f32` for lenses,
+//! directions, heights and probabilities, through `libm` alone and without fused operations.
 //!
 //! # The door
 //! Open a [`Site`], describe the [`Rig`], lend a [`Locator`] its memory, and every pair of frames gives a [`Fix`]: pose,
@@ -109,6 +109,19 @@
 #![no_std]
 #![forbid(unsafe_code)]
 #![deny(missing_docs)]
+// Tests may panic and cast as they like.
+#![cfg_attr(
+    not(test),
+    warn(
+        clippy::cast_possible_truncation,
+        clippy::cast_possible_wrap,
+        clippy::cast_sign_loss,
+        clippy::expect_used,
+        clippy::indexing_slicing,
+        clippy::panic,
+        clippy::unwrap_used,
+    )
+)]
 
 #[cfg(test)]
 extern crate std;
