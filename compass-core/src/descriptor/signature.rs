@@ -38,7 +38,7 @@ impl Signature {
     /// Two passes over the bins and a heap sort of 360 ranges.
     ///
     /// # References
-    /// The transition signature is not part of the paper.
+    /// `docs/design.md`, "Transition signature".
     ///
     /// ```
     /// use compass_core::descriptor::signature::Signature;

@@ -38,7 +38,8 @@ static WALL_PLANES: [u8; 256] = {
 /// A bin is the mean of `360 / N` bins of the table, rounded to the nearest 1/16 nat.
 ///
 /// # Accuracy
-/// Exact sums: scores equal those of the table summed cell by cell (test `scores_equal_the_direct_sum`).
+/// Sums are exact: for N = 360 a score equals the sum of the cells, for smaller N it differs by the rounding of the means,
+/// at most 1/32 nat per bin (test `scores_equal_the_direct_sum`).
 ///
 /// ```
 /// use compass_core::pose::{EvidenceTable, Rows};
@@ -89,7 +90,7 @@ impl<const N: usize> Rows<N> {
     /// Prepares a table for scoring.
     ///
     /// # Cost
-    /// Four additions per plane and bin, and up to 6 per plane and second bin.
+    /// Per plane 360 additions for the means, 2 N for the prefix sums and at most 6 N for the rough sums.
     #[expect(clippy::cast_possible_truncation, reason = "at most 360")]
     pub fn set(&mut self, table: &EvidenceTable) {
         for (plane, [once, again, rough]) in (0..).zip(&mut self.sums) {

@@ -26,7 +26,7 @@ const ELSEWHERE: usize = 4;
 /// Values in 1/16 nat, within twice the table's [`LIMIT`](super::LIMIT).
 ///
 /// # Cost
-/// At most 4 times [`RANGE_RUNGS`] look-ups per direction.
+/// At most 3 times [`RANGE_RUNGS`] look-ups per direction.
 ///
 /// ```
 /// use compass_core::pose::wall_check::compare;

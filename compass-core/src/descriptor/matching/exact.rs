@@ -109,7 +109,7 @@ struct LowQuery {
 /// `targets/budget.txt`.
 ///
 /// # References
-/// The score is that of the paper; the bounds are not part of it.
+/// The score is that of the paper. The bounds: `docs/design.md`.
 ///
 /// ```
 /// # use compass_core::Site;

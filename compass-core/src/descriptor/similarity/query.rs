@@ -75,7 +75,7 @@ impl Query {
     /// and scores are summed directly.
     ///
     /// # Cost
-    /// Linear in the 5 x 360 values.
+    /// Linear in the 5 x 360 values. Cortex-M7, with the spectra: `query` in `targets/budget.txt`.
     ///
     /// ```
     /// use compass_core::descriptor::similarity::{Candidate, Confidence, Query, Similarity, Weights};
@@ -293,8 +293,8 @@ impl Query {
     /// Within [`SCORE_ERROR`](super::SCORE_ERROR) of [`Query::score`]; equal to it for a masked query.
     ///
     /// # Cost
-    /// One [`Correlator::correlate`]; for a masked query 360 times [`Query::score`]. Cortex-M7: `rank` in
-    /// `targets/budget.txt` for the matching of a query.
+    /// One [`Correlator::correlate`]; for a masked query 360 times [`Query::score`]. Cortex-M7, with unpacking of the
+    /// candidate: `correlate` in `targets/budget.txt`.
     ///
     /// ```
     /// # use compass_core::descriptor::similarity::{Candidate, Confidence, Query, Similarity, Weights};

@@ -31,8 +31,7 @@ const FULL_SCALE_BITS: u32 = 29;
 /// Within 2^-12 of the product of the two norms (test `agrees_with_the_direct_sum`).
 ///
 /// # Cost
-/// Per correlation of c channels, c / 2 (rounded up) transforms and one inverse transform of 1024 points. Cortex-M7:
-/// `correlate` in `targets/budget.txt`.
+/// Per correlation of c channels, c / 2 (rounded up) transforms and one inverse transform of 1024 points.
 ///
 /// # References
 /// Cross-correlation theorem; the extension to 1024 points is that of a circular convolution by a longer FFT.

@@ -17,8 +17,8 @@ pub struct Site<'a> {
 type Part = [u32; 2];
 
 impl<'a> Site<'a> {
-    /// Views bytes as a site. Checks the headers of site, maps and plans, and their checksums; [`Site::verify`] checks the
-    /// checksums of the contents.
+    /// Views bytes as a site. Checks the headers of site, maps and plans and the checksums of the headers;
+    /// [`Site::verify`] checks those of the contents.
     ///
     /// # Formats
     /// The [site file](super).
