@@ -223,7 +223,11 @@ impl Point {
 #[cfg(feature = "defmt")]
 impl defmt::Format for Point {
     fn format(&self, f: defmt::Formatter<'_>) {
-        let millimetres = |v: Metres| ((i128::from(v.to_bits()) * 1000) >> 32) as i64;
+        // Whole metres are below 2^31 and their rest below 2^32: neither product overflows.
+        let millimetres = |v: Metres| {
+            let (whole, rest) = (v.to_bits() >> 32, v.to_bits() & 0xffff_ffff);
+            whole * 1000 + ((rest * 1000) >> 32)
+        };
         defmt::write!(f, "({} mm, {} mm)", millimetres(self.x), millimetres(self.y));
     }
 }

@@ -211,7 +211,7 @@ impl Layout {
     }
 
     #[inline(never)]
-    fn smoothing<'m>(&self, rest: &mut Rest<'m>) -> Option<(&'m mut [u8], &'m mut [u16])> {
+    fn smoothing<'m>(&self, rest: &mut Rest<'m>) -> Option<Scratch<'m>> {
         match self.settings.smoothing {
             Smoothing::Again => Some((rest.take(self.most_pixels())?, rest.take(self.widest())?)),
             Smoothing::Off | Smoothing::Kept => Some((&mut [], &mut [])),
@@ -255,8 +255,11 @@ pub(super) struct Detector<'m> {
 pub(super) struct Look<'m> {
     pub(super) kept: Kept<'m>,
     pub(super) buffers: windows::Buffers<'m>,
-    pub(super) smoothing: (&'m mut [u8], &'m mut [u16]),
+    pub(super) smoothing: Scratch<'m>,
 }
+
+/// A frame smoothed anew, and the row that smoothing takes.
+pub(super) type Scratch<'m> = (&'m mut [u8], &'m mut [u16]);
 
 /// For the boundaries.
 #[derive(Debug)]
@@ -264,13 +267,11 @@ pub(super) struct Boundary<'m> {
     pub(super) smoothed: [&'m mut [u8]; CAMERAS],
     pub(super) support: &'m mut [u8],
     pub(super) edges: &'m mut [u8],
-    pub(super) smoothing: (&'m mut [u8], &'m mut [u16]),
+    pub(super) smoothing: Scratch<'m>,
 }
 
 impl<'m> Boundary<'m> {
-    pub(super) fn buffers(
-        self,
-    ) -> (boundary::Buffers<'m>, [&'m mut [u8]; CAMERAS], (&'m mut [u8], &'m mut [u16])) {
+    pub(super) fn buffers(self) -> (boundary::Buffers<'m>, [&'m mut [u8]; CAMERAS], Scratch<'m>) {
         (boundary::Buffers { edges: self.edges, support: self.support }, self.smoothed, self.smoothing)
     }
 }

@@ -165,10 +165,10 @@ impl<'a, M, T, const LAYERS: usize> Locator<'a, M, T, LAYERS> {
     /// [`Error::Layers`].
     pub fn add_layers(&mut self, floor: &Floor<'a>) -> Result<(), Error> {
         let (before, number) = (self.layers.len(), self.floors());
-        for layer in 0..floor.layers() {
-            let Some(plan) = floor.plan(layer) else { continue };
+        for (layer, index) in (0..).zip(0..floor.layers()) {
+            let Some(plan) = floor.plan(index) else { continue };
             let (map, name) = (*floor.map(), floor.name());
-            let layer = FloorLayer { map, number: layer as u8, plan, floor: number, name };
+            let layer = FloorLayer { map, number: layer, plan, floor: number, name };
             if self.layers.push(layer).is_err() {
                 self.layers.truncate(before);
                 return Err(Error::Layers { most: LAYERS });

@@ -31,7 +31,7 @@ pub enum Smoothing {
 /// | [`FULL`](Self::FULL) | 368 x 360 | 1463 KiB | 71, 82 | 65 of 75, 68 of 76 | |
 /// | [`BOARD`](Self::BOARD) | 368 x 360 | 419 KiB | 72, 69 | 65 of 76, 58 of 64 | see `targets/README.md` |
 /// | [`BOARD`](Self::BOARD), [`Smoothing::Off`] | 368 x 360 | 419 KiB | 70, 67 | 64 of 79, 59 of 67 | 12.3 M less |
-/// | [`BOARD`](Self::BOARD), `lens_field_mask` | 368 x 360 | 435 KiB | 72, 67 | 64 of 71, 58 of 62 | |
+/// | [`BOARD`](Self::BOARD), `lens_field_mask` | 368 x 360 | 435 KiB | 72, 67 | 62 of 71, 58 of 63 | |
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// Finest cells of the panorama; lenses of fewer than 3 pixels a degree have [`Resolution::COARSE`] in any case.

@@ -1,10 +1,10 @@
 //! The stages as types: each is made by the one before it alone.
 
 use super::error::Error;
-use super::memory::Look;
+use super::memory::{Layout, Look};
 use super::settings::Smoothing;
 use super::trace::{Picture, Stage, Trace};
-use super::{Frames, Locator};
+use super::{Found, Frames, Locator};
 use crate::base::num::BINS;
 use crate::base::raster::{BitMask, GrayImage};
 use crate::pose::evidence::{EvidenceTable, weigh};
@@ -51,26 +51,18 @@ where
 {
     #[inline(always)]
     pub(super) fn new(locator: &'l mut Locator<'a, M, T, LAYERS>, frames: Frames<'f>) -> Self {
-        for (camera, frame) in (0..).zip(&frames) {
-            locator.found.segments[usize::from(camera % 2)] = 0;
-            if let Some(frame) = frame {
-                locator.trace.begin(Stage::Segments(camera));
-                if T::INLINED {
-                    detect_in(locator, camera.into(), &frame.gray);
-                } else {
-                    detect_apart(locator, camera.into(), &frame.gray);
-                }
-                let layout = locator.memory_map();
-                let segments = locator.found.segments[usize::from(camera % 2)];
-                let (trace, memory) = (&mut locator.trace, locator.memory.as_mut());
-                let found = layout.split(memory).map(|(kept, _)| kept.segments);
-                let [front, back] = found.unwrap_or_default();
-                let found = if camera == 0 { front } else { back };
-                trace.end(
-                    Stage::Segments(camera),
-                    Picture::Segments(found.get(..segments).unwrap_or_default()),
-                );
+        locator.found.segments = [0; CAMERAS];
+        for (number, camera, frame) in [(0, 0, &frames[0]), (1, 1, &frames[1])] {
+            let Some(frame) = frame else { continue };
+            locator.trace.begin(Stage::Segments(number));
+            if T::INLINED {
+                detect_in(locator, camera, &frame.gray);
+            } else {
+                detect_apart(locator, camera, &frame.gray);
             }
+            let (trace, memory) = (&mut locator.trace, locator.memory.as_mut());
+            let found = segments_of(&locator.settings.layout(&locator.rig), &locator.found, memory, camera);
+            trace.end(Stage::Segments(number), Picture::Segments(found));
         }
         Self { locator, frames }
     }
@@ -78,12 +70,8 @@ where
     /// Line segments of a camera's frame.
     #[must_use]
     pub fn segments(&mut self, camera: usize) -> &[Segment] {
-        let layout = self.locator.memory_map();
-        let count = self.locator.found.segments.get(camera).copied().unwrap_or(0);
-        let kept = layout.split(self.locator.memory.as_mut()).map(|(kept, _)| kept.segments);
-        let [front, back] = kept.unwrap_or_default();
-        let found = if camera == 0 { front } else { back };
-        found.get(..count).unwrap_or_default()
+        let Locator { settings, rig, found, memory, .. } = &mut *self.locator;
+        segments_of(&settings.layout(rig), found, memory.as_mut(), camera)
     }
 
     /// The vertical vanishing point near a hint.
@@ -197,7 +185,7 @@ where
         let (trace, memory) = (&mut self.locator.trace, self.locator.memory.as_mut());
         let support = layout.search(memory).and_then(|search| BoundaryEvidence::new(search.support, known));
         if let Some(evidence) = support {
-            trace.end(Stage::Boundaries, Picture::Boundaries(evidence));
+            trace.end(Stage::Boundaries, Picture::Boundaries(&evidence));
         }
         self
     }
@@ -296,6 +284,15 @@ where
     }
 }
 
+/// The segments that were found in a camera's frame.
+fn segments_of<'m>(layout: &Layout, found: &Found, memory: &'m mut [u32], camera: usize) -> &'m [Segment] {
+    let kept = layout.split(memory).map(|(kept, _)| kept.segments);
+    let [front, back] = kept.unwrap_or_default();
+    let segments = if camera == 0 { front } else { back };
+    let count = found.segments.get(camera).copied().unwrap_or(0);
+    segments.get(..count).unwrap_or_default()
+}
+
 /// [`detect_in`] with code and stack of its own.
 #[inline(never)]
 fn detect_apart<M: AsMut<[u32]>, T, const LAYERS: usize>(
@@ -335,7 +332,7 @@ fn collect_arcs<M: AsMut<[u32]>, T, const LAYERS: usize>(locator: &mut Locator<'
     for (camera, view) in rig.views() {
         let found = segments.get(camera).zip(found.segments.get(camera));
         let segments = found.and_then(|(segments, count)| segments.get(..*count)).unwrap_or_default();
-        let arcs = segments.iter().filter_map(|segment| Arc::new(segment, view, camera as u32));
+        let arcs = segments.iter().filter_map(|segment| Arc::new(segment, view, u32::from(camera > 0)));
         for (arc, slot) in arcs.zip(&mut slots) {
             *slot = arc;
             count += 1;
@@ -460,5 +457,3 @@ fn find_boundaries<M: AsMut<[u32]>, T, const LAYERS: usize>(
     }
     found.known = *finder.finish().known();
 }
-
-const _: () = assert!(CAMERAS == 2, "segments and smoothed frames are told apart by pairs");

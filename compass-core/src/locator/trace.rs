@@ -66,7 +66,7 @@ pub enum Picture<'a> {
         boxes: &'a [WindowBox],
     },
     /// Boundaries of floor and ceiling.
-    Boundaries(BoundaryEvidence<'a>),
+    Boundaries(&'a BoundaryEvidence<'a>),
     /// The pose, its alternatives and the heights.
     Fix(&'a Fix<'a>),
     /// Where the sequence has come to.

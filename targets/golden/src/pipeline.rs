@@ -86,7 +86,7 @@ fn sum(picture: Picture<'_>) -> u32 {
         Picture::Segments(segments) => checksum(segment_words(segments)),
         Picture::Up(vertical) => checksum(up_words(vertical)),
         Picture::Windows { windows, evidence, .. } => checksum(window_words(windows, evidence)),
-        Picture::Boundaries(evidence) => checksum(boundary_words(&evidence)),
+        Picture::Boundaries(evidence) => checksum(boundary_words(evidence)),
         Picture::Fix(fix) => checksum(fix_words(fix)),
         Picture::Estimate(estimate) => checksum(estimate_words(estimate)),
         _ => 0,

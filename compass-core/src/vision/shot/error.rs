@@ -38,7 +38,7 @@ impl fmt::Display for ShotError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Magic => f.write_str("shot magic is missing: not a file of packed frames"),
-            Self::Version(v) => write!(f, "shot version is {v}, this program reads {}", VERSION),
+            Self::Version(v) => write!(f, "shot version is {v}, this program reads {VERSION}"),
             Self::HeaderChecksum => f.write_str("shot header checksum does not match: the header is damaged"),
             Self::Up => f.write_str("shot up vector is 0 or not finite"),
             Self::Height => {

@@ -1,6 +1,6 @@
 use super::*;
-use crate::vision::camera::{Bearing, CameraError, Rig};
 use crate::map::site_map::Sink;
+use crate::vision::camera::{Bearing, CameraError, Rig};
 use crate::vision::camera::{Camera, Eucm, Intrinsics, KannalaBrandt, View};
 use nalgebra::{Matrix3, Vector3};
 use proptest::prelude::*;
