@@ -7,7 +7,7 @@
 //! |---|---|
 //! | `check NAME 0xXXXXXXXX` | checksum of a stage's output; equal on every target |
 //! | `insns NAME N` | instructions the stage executed, exact ([`counter`]) |
-//! | `stack NAME N` | bytes of stack the stage used at most ([`stack`]) |
+//! | `stack NAME N` | deepest stack while the stage ran, bytes, its callers from `main` on included ([`stack`]) |
 //! | `flash PART N` | bytes of code, and of constants without the sample ([`image`]) |
 //! | `ram PURPOSE N` | bytes of RAM |
 //!
