@@ -102,6 +102,8 @@
 //! | feature | adds |
 //! |---|---|
 //! | `draw` | drawing on any `embedded-graphics` display |
+//! | `introspect` | what exists for pictures, comparisons and evaluation: evidence and arcs of frames, evidence that was kept |
+//! | `paper-windows` | the paper's window finder |
 //! | `defmt` | `defmt::Format` on the public types |
 //!
 //! # Reference

@@ -18,6 +18,8 @@
 //! the raster of the boundaries, then the search. The presets of [`Settings`] say what they cost.
 
 mod error;
+#[cfg(any(test, feature = "introspect"))]
+mod introspect;
 mod memory;
 mod settings;
 mod stages;
@@ -33,12 +35,9 @@ use crate::base::raster::GrayImage;
 use crate::map::plan::Plan;
 use crate::map::site::{Floor, MAX_FLOORS, Site};
 use crate::map::site_map::SiteMap;
-use crate::pose::evidence::EvidenceTable;
 use crate::pose::heights::HeightPrior;
-use crate::pose::locate::explain;
-use crate::pose::{Alternatives, Fix, FloorLayer};
+use crate::pose::{Fix, FloorLayer};
 use crate::vision::attitude::UpHint;
-use crate::vision::boundary::BoundaryEvidence;
 use crate::vision::camera::{CAMERAS, PerCamera, Rig, View};
 use crate::vision::panorama::Resolution;
 use crate::vision::sample::ExclusionMask;
@@ -116,7 +115,7 @@ impl<'a, M: AsRef<[u32]> + AsMut<[u32]>, const LAYERS: usize> Locator<'a, M, (),
         Ok(locator)
     }
 
-    /// To search what was [seen before](Self::recall).
+    /// For cameras that are named later, with [`set_rig`](Self::set_rig); layers may be added.
     ///
     /// # Errors
     /// [`Error::Memory`] says how much is missing.
@@ -263,35 +262,6 @@ impl<'a, M: AsRef<[u32]> + AsMut<[u32]>, T: Trace, const LAYERS: usize> Locator<
     pub fn segment<'l, 'f>(&'l mut self, frames: &Frames<'f>) -> Result<Segmented<'l, 'f, Self>, Error> {
         check_frames(&self.rig, frames)?;
         Ok(Segmented::new(self, *frames))
-    }
-
-    /// The stage after all that was seen, from evidence that was kept of it. Windows themselves are not kept.
-    pub fn recall<'l>(
-        &'l mut self,
-        boundaries: &BoundaryEvidence<'_>,
-        windows: &WindowEvidence,
-    ) -> Seen<'l, Self> {
-        self.found.windows = WindowEvidence { count: 0, ..windows.clone() };
-        self.found.known = *boundaries.known();
-        if let Some(search) = self.memory_map().search(self.memory.as_mut()) {
-            search.support.iter_mut().zip(boundaries.cells()).for_each(|(cell, kept)| *cell = *kept);
-        }
-        Seen::new(self)
-    }
-
-    /// The poses that explain some evidence best, which `fill` writes into an empty table: for evidence from elsewhere.
-    pub fn explain(&mut self, fill: impl FnOnce(&mut EvidenceTable)) -> Alternatives {
-        let Some(search) = self.memory_map().search(self.memory.as_mut()) else {
-            return Alternatives::nothing();
-        };
-        *search.table = EvidenceTable::EMPTY;
-        fill(search.table);
-        explain(
-            search.table,
-            &self.layers,
-            (self.settings.headings, search.rows, search.pool),
-            self.settings.effort,
-        )
     }
 
     fn memory_map(&self) -> memory::Layout {

@@ -12,8 +12,8 @@ use crate::pose::heights::{HeightPrior, Heights};
 use crate::pose::locate::{Work, locate};
 use crate::pose::track::{Estimate, Motion, Observation, Track};
 use crate::pose::{Fix, FloorLayer};
-use crate::vision::attitude::{self, Arc, Axes, UpHint, Vertical, vertical};
-use crate::vision::boundary::{BoundaryEvidence, BoundaryFinder, RangeLikelihoods};
+use crate::vision::attitude::{self, Arc, UpHint, Vertical, vertical};
+use crate::vision::boundary::{BoundaryEvidence, BoundaryFinder};
 use crate::vision::camera::{Bearing, CAMERAS};
 use crate::vision::lens_field;
 use crate::vision::level_frame::LevelFrame;
@@ -32,16 +32,16 @@ pub struct Segmented<'l, 'f, L> {
 /// Frames of which it is known which way is up.
 #[derive(Debug)]
 pub struct Levelled<'l, 'f, L> {
-    locator: &'l mut L,
+    pub(super) locator: &'l mut L,
     frames: Frames<'f>,
-    frame: LevelFrame,
+    pub(super) frame: LevelFrame,
     vertical: Option<Vertical>,
 }
 
 /// Frames of which is known what they show: windows, and the boundaries of floor and ceiling.
 #[derive(Debug)]
 pub struct Seen<'l, L> {
-    locator: &'l mut L,
+    pub(super) locator: &'l mut L,
 }
 
 impl<'l, 'f, 'a, M, T, const LAYERS: usize> Segmented<'l, 'f, Locator<'a, M, T, LAYERS>>
@@ -143,20 +143,6 @@ where
         self.vertical.as_ref()
     }
 
-    /// The building's axes.
-    #[must_use]
-    pub fn axes(&mut self) -> Option<Axes> {
-        let frame = self.frame;
-        attitude::building_axes(self.arcs(), &frame)
-    }
-
-    /// The segments of all cameras as arcs of great circles.
-    #[must_use]
-    pub fn arcs(&mut self) -> &[Arc] {
-        self.locator.found.arcs = collect_arcs(self.locator);
-        arcs(self.locator)
-    }
-
     /// Next stage: windows, and the boundaries of floor and ceiling.
     #[inline(always)]
     pub fn see(self) -> Seen<'l, Locator<'a, M, T, LAYERS>> {
@@ -176,10 +162,6 @@ where
     M: AsRef<[u32]> + AsMut<[u32]>,
     T: Trace,
 {
-    pub(super) fn new(locator: &'l mut Locator<'a, M, T, LAYERS>) -> Self {
-        Self { locator }
-    }
-
     fn trace_boundaries(self) -> Self {
         let (layout, known) = (self.locator.memory_map(), self.locator.found.known);
         let (trace, memory) = (&mut self.locator.trace, self.locator.memory.as_mut());
@@ -269,19 +251,6 @@ where
         weigh(search.ranges, camera, &found.windows, search.table);
         Some(read(search.table, layers))
     }
-
-    /// The likelihoods of ranges, with the likeliest ceiling for what is known of the heights.
-    #[must_use]
-    pub fn range_likelihoods(&mut self, known: HeightPrior) -> Option<&RangeLikelihoods> {
-        let (layout, bins) = (self.locator.memory_map(), self.locator.found.known);
-        let search = layout.search(self.locator.memory.as_mut())?;
-        let boundaries = BoundaryEvidence::new(search.support, bins)?;
-        match known.ceiling_rungs() {
-            Some(ceiling) => boundaries.ranges(ceiling, search.ranges),
-            None => boundaries.likeliest(known.camera_rungs(), search.ranges),
-        }
-        Some(search.ranges)
-    }
 }
 
 /// The segments that were found in a camera's frame.
@@ -324,7 +293,9 @@ fn detect_in<M: AsMut<[u32]>, T, const LAYERS: usize>(
 
 /// Turns the segments into arcs of great circles; their number.
 #[inline(never)]
-fn collect_arcs<M: AsMut<[u32]>, T, const LAYERS: usize>(locator: &mut Locator<'_, M, T, LAYERS>) -> usize {
+pub(super) fn collect_arcs<M: AsMut<[u32]>, T, const LAYERS: usize>(
+    locator: &mut Locator<'_, M, T, LAYERS>,
+) -> usize {
     let Locator { settings, rig, found, memory, .. } = locator;
     let Some((segments, arcs)) = settings.layout(rig).arcs(memory.as_mut()) else { return 0 };
     let mut count = 0;
@@ -341,7 +312,7 @@ fn collect_arcs<M: AsMut<[u32]>, T, const LAYERS: usize>(locator: &mut Locator<'
     count
 }
 
-fn arcs<'l, M: AsMut<[u32]>, T, const LAYERS: usize>(
+pub(super) fn arcs<'l, M: AsMut<[u32]>, T, const LAYERS: usize>(
     locator: &'l mut Locator<'_, M, T, LAYERS>,
 ) -> &'l [Arc] {
     let Locator { settings, rig, found, memory, .. } = locator;

@@ -164,7 +164,7 @@ fn one_call_and_its_stages_give_the_same_fix() {
     let memory = vec![9; Settings::BOARD.memory_words(0, 0)];
     let mut later: Locator<'_, _> = Locator::without_rig(Settings::BOARD, memory).unwrap();
     later.add_site(&Site::new(&sample.site).unwrap()).unwrap();
-    let boundaries = BoundaryEvidence::new(&cells, known).unwrap();
+    let boundaries = crate::vision::boundary::BoundaryEvidence::new(&cells, known).unwrap();
     assert_eq!(bits(&later.recall(&boundaries, &windows).locate(PRIOR.heights)), bits(&fix));
 }
 

@@ -3,8 +3,8 @@
 use super::evidence::{EvidenceTable, weigh};
 use super::heights::{HeightPrior, Heights};
 use super::{
-    Alternatives, Fix, FloorLayer, Headings, PoolEntry, ScoredPose, refine, refine_coarse, refine_final,
-    refine_fine, select_alternatives,
+    Alternatives, Fix, FloorLayer, Headings, PoolEntry, ScoredPose, refine_coarse, refine_final, refine_fine,
+    select_alternatives,
 };
 use crate::base::order;
 use crate::base::pose::Separation;
@@ -166,6 +166,7 @@ pub fn locate<'a>(
 }
 
 /// Finds the maximum-likelihood poses for a given table of evidence: search and refinement.
+#[cfg(any(test, feature = "introspect"))]
 pub(crate) fn explain(
     table: &EvidenceTable,
     layers: &[FloorLayer<'_>],
@@ -177,7 +178,7 @@ pub(crate) fn explain(
     for pose in pool.iter().take(count.min(effort.refined_poses)).filter_map(|entry| entry.pose(layers)) {
         if let Some(layer) = layers.get(usize::from(pose.layer)) {
             // Full after [`MAX_REFINED`] poses: the pool is sorted, so that the best are kept.
-            let _ = poses.push(refine(table, layer, pose));
+            let _ = poses.push(super::refine(table, layer, pose));
         }
     }
     select_alternatives(layers, &mut poses)
