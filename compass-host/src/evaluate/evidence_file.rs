@@ -1,7 +1,8 @@
-//! What was seen in a frame as a gray picture: a column per direction.
+//! The evidence of a frame as a gray image: one column per azimuth bin.
 //!
-//! From the top: evidence of edges of the floor and of the ceiling by rung of range, as a [`BoundaryEvidence`] has it; whether
-//! range and hit type are known; the log odds of a window: high byte and low byte of the bits of [`LogOdds`] plus 2^15.
+//! Rows from the top: evidence of floor and ceiling boundaries by range rung, in the layout of [`BoundaryEvidence`]; a
+//! mask of known ranges and hit types; the log odds of a window: high byte, then low byte, of the bits of [`LogOdds`]
+//! plus 2^15.
 
 use super::error::{EvaluateError, Result};
 use crate::image_file::{self, Samples};
@@ -15,22 +16,22 @@ use compass_core::vision::windows::WindowEvidence;
 use image::ImageEncoder as _;
 use std::path::Path;
 
-/// Rows below the survey's.
+/// Rows below those of the boundary evidence.
 const EXTRA: usize = 4;
-/// Rows of the picture.
+/// Rows of the image.
 const ROWS: usize = CELLS / BINS + EXTRA;
-/// What log odds are counted from.
+/// Offset that makes log odds unsigned.
 const MIDDLE: i32 = 1 << 15;
 
-/// What was seen in a frame, for whatever height of camera and ceiling.
+/// The evidence of a frame, independent of the heights of camera and ceiling.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Evidence {
-    /// [`ROWS`] of [`BINS`].
+    /// [`ROWS`] rows of [`BINS`] bytes.
     rows: Vec<u8>,
 }
 
 impl Evidence {
-    /// Keeps what matching needs.
+    /// Copies what the search needs.
     #[must_use]
     pub fn new(survey: &BoundaryEvidence<'_>, sighting: &WindowEvidence) -> Self {
         let odds = sighting.evidence.map(|odds| (i32::from(odds.to_bits()) + MIDDLE) as u16);
@@ -42,24 +43,24 @@ impl Evidence {
         Self { rows }
     }
 
-    /// Of frames.
+    /// The evidence of observed frames.
     ///
     /// # Panics
-    /// Never: what was seen has its boundaries.
+    /// Never: observed frames have their boundary evidence.
     #[must_use]
     pub fn of(seen: &mut Seen<'_, '_>) -> Self {
         let windows = seen.window_evidence().clone();
         Self::new(&seen.boundaries().expect("frames that were seen have boundaries"), &windows)
     }
 
-    /// The evidence of ranges.
+    /// The boundary evidence.
     #[must_use]
     pub fn boundaries(&self) -> BoundaryEvidence<'_> {
         let known = self.row(0).map(|known| known > 0);
         BoundaryEvidence::new(&self.rows[..CELLS], known).expect("as many cells as a survey has")
     }
 
-    /// The hit types; windows themselves are not kept.
+    /// The window evidence by bin; the windows themselves are not stored.
     #[must_use]
     pub fn windows(&self) -> WindowEvidence {
         let (high, low) = (self.row(2), self.row(3));
@@ -74,13 +75,13 @@ impl Evidence {
         }
     }
 
-    /// One of the rows below the survey's.
+    /// One of the rows below the boundary evidence.
     fn row(&self, number: usize) -> [u8; BINS] {
         let rows = self.rows[CELLS..].as_chunks::<BINS>().0;
         rows[number]
     }
 
-    /// Writes it as a PNG file.
+    /// Writes a PNG file.
     ///
     /// # Errors
     /// Names the file.
@@ -92,7 +93,7 @@ impl Evidence {
         Ok(write_file(path, &png)?)
     }
 
-    /// Reads what was written so.
+    /// Reads a file written by [`Self::write`].
     ///
     /// # Errors
     /// Names the file.
