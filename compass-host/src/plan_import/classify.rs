@@ -1,16 +1,15 @@
 //! Pixels to walls and glazing.
 //!
-//! **First look**, each pixel alone. Redness is `R - max(G, B)`, luma is that of BT.601.
+//! **First pass**, each pixel alone. Redness is `R - max(G, B)`, luma is that of BT.601.
 //! - glazing: redness at least `red_excess`; *faint* when below twice that
 //! - wall: luma below `dark_below`; *plain* when below 3/4 of that with redness below a quarter of
 //!   `red_excess` (black or dark gray ink), else *doubtful*
 //! - free: the rest
 //!
-//! In a pair, glazing is also what is dark in the plan and not dark in the image of the walls, faint
-//! when the two lumas differ by less than [`FAINT_STEP`]; the walls image alone says what is wall,
-//! and its walls are all plain.
+//! In a pair, glazing is also what is dark in the plan and not dark in the walls image, faint when the two lumas
+//! differ by less than [`FAINT_STEP`]; the walls image alone defines the walls, and all of them are plain.
 //!
-//! **Second look**, for the doubtful and the faint, at their eight neighbours. Smoothed edges and
+//! **Second pass**, for doubtful and faint pixels, by their eight neighbours. Smoothed edges and
 //! JPEG's coarse chroma turn the rim of a red line dark and the rim of a black line reddish:
 //! - a doubtful wall pixel that touches glazing, but no wall that is plain or away from glazing, is
 //!   the rim of that glazing
@@ -18,13 +17,13 @@
 //!   less glazing than the straight rim of a line does, is the rim of that wall: wall when dark,
 //!   else free
 //!
-//! All pixels are judged by the first look of their neighbours, so the order does not matter. Plain
-//! and full pixels are never changed: clean drawings keep every pixel. Cost: one pass, and 3 x 3
-//! or 5 x 5 pixels for each doubtful or faint one; gray images need neither map nor second look.
+//! All pixels are judged by the first-pass class of their neighbours, so the order does not matter. Plain and full
+//! pixels never change: clean drawings keep every pixel. Cost: one pass, and 3 x 3 or 5 x 5 pixels for each doubtful
+//! or faint one; gray images need neither map nor second pass.
 
 use crate::image_file::{Pixels, Samples};
 
-/// Luma steps between the two images of a pair from which glazing is certain.
+/// Luma difference between the two images of a pair from which glazing is certain.
 const FAINT_STEP: u8 = 64;
 
 /// Glazing neighbours of a pixel on the straight rim of glazing: three within, two along the rim.
@@ -37,12 +36,12 @@ const WINDOW: u8 = 3;
 const FAINT_DARK: u8 = 4;
 const FAINT_LIGHT: u8 = 5;
 
-/// What counts as dark and as red.
+/// Thresholds of dark and of red.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ink {
-    /// Whether darkness is the luma itself instead of its complement (a negated map).
+    /// Whether the image is negated: darkness is then the luma itself instead of its complement.
     pub inverted: bool,
-    /// The first luma that is not dark, 0..=256, after inversion.
+    /// The lowest luma that is not dark, 0..=256, after inversion.
     pub dark_below: u16,
     /// The least redness of glazing.
     pub red_excess: u8,
@@ -62,7 +61,7 @@ impl Ink {
         u16::from(luma) < self.dark_below
     }
 
-    /// First look at a colour pixel.
+    /// First pass for a colour pixel.
     fn judge(&self, rgb: [u8; 3]) -> u8 {
         let redness = redness(rgb);
         let luma = self.luma(luma_of(rgb));
@@ -83,7 +82,7 @@ impl Ink {
     }
 }
 
-/// Walls and glazing, packed as `BitMask` wants them, south row first.
+/// Walls and glazing in the layout of `BitMask`, south row first.
 #[derive(Debug)]
 pub(super) struct Masks {
     pub walls: Vec<u8>,
@@ -112,7 +111,7 @@ pub(super) fn one_image(plan: &Pixels, ink: &Ink) -> Masks {
     }
 }
 
-/// Walls of `walls`, and as glazing what `plan` has beyond them. Both have the same size.
+/// Walls from `walls`, and as glazing what `plan` has beyond them. Both have the same size.
 pub(super) fn pair(plan: &Pixels, walls: &Pixels, ink: &Ink) -> Masks {
     let (plan_luma, walls_luma) = (lumas(plan, ink), lumas(walls, ink));
     let mut looks: Vec<u8> = plan_luma
@@ -168,7 +167,7 @@ fn pack(values: &[u8], width: usize, set: impl Fn(u8) -> bool + Copy) -> Vec<u8>
     packed
 }
 
-/// Settles doubtful and faint pixels by their neighbours and packs the two masks.
+/// Resolves doubtful and faint pixels by their neighbours and packs the two masks.
 fn second_look(looks: &[u8], width: usize) -> Masks {
     let walls = pack(looks, width, |look| matches!(look, WALL | DOUBTFUL_WALL));
     let windows = pack(looks, width, |look| matches!(look, WINDOW | FAINT_DARK | FAINT_LIGHT));
@@ -192,7 +191,7 @@ fn second_look(looks: &[u8], width: usize) -> Masks {
     masks
 }
 
-/// The first look at every pixel, top row first.
+/// The first-pass class of every pixel, top row first.
 #[derive(Clone, Copy)]
 struct Looks<'a> {
     looks: &'a [u8],
@@ -200,7 +199,7 @@ struct Looks<'a> {
 }
 
 impl Looks<'_> {
-    /// What the pixel becomes when its neighbours overrule the first look.
+    /// The class of the pixel when its neighbours overrule the first pass.
     fn refine_fine(self, look: u8, x: usize, y: usize) -> Option<u8> {
         match look {
             DOUBTFUL_WALL => (self.touches_glazing(x, y) && !self.touches_sound_wall(x, y)).then_some(WINDOW),
@@ -251,7 +250,7 @@ mod tests {
 
     const INK: Ink = Ink { inverted: false, dark_below: 128, red_excess: 60 };
 
-    /// Settles a drawing: `#` wall, `d` doubtful, `W` glazing, `f` faint dark, `l` faint light.
+    /// Resolves a drawing: `#` wall, `d` doubtful, `W` glazing, `f` faint dark, `l` faint light.
     fn settled(drawing: &[&str]) -> Vec<String> {
         let width = drawing[0].len();
         let looks: Vec<u8> =
