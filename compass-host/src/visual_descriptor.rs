@@ -73,13 +73,13 @@ impl VisualDescriptor {
     /// The descriptor from the evidence of one pair of frames; `height_m` is the height of cam0 above the floor, if
     /// known.
     #[must_use]
-    pub fn new(ranges: &RangeLikelihoods, sighting: &WindowEvidence, height_m: Option<f32>) -> Self {
+    pub fn new(ranges: &RangeLikelihoods, windows: &WindowEvidence, height_m: Option<f32>) -> Self {
         let height = Height::new(height_m, ranges);
         let (rungs, rest) = (height.rungs(), height.rest());
-        let (scan, confidence) = visual_scan::scan(ranges, rungs, sighting);
+        let (scan, confidence) = visual_scan::scan(ranges, rungs, windows);
         // The core counts heights in rungs; the ratio corrects its rounding.
         let exact = |range: RangeEstimate| RangeEstimate { metres: range.metres * rest, ..range };
-        let known = sighting.confidence.sixteenths();
+        let known = windows.confidence.sixteenths();
         Self {
             height,
             ranges: std::array::from_fn(|bin| ranges.range(bin, rungs).map(exact)),

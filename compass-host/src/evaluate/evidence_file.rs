@@ -33,11 +33,11 @@ pub struct Evidence {
 impl Evidence {
     /// Copies what the search needs.
     #[must_use]
-    pub fn new(survey: &BoundaryEvidence<'_>, sighting: &WindowEvidence) -> Self {
-        let odds = sighting.evidence.map(|odds| (i32::from(odds.to_bits()) + MIDDLE) as u16);
-        let mut rows = survey.cells().to_vec();
-        rows.extend(survey.known().map(u8::from));
-        rows.extend(sighting.confidence.sixteenths());
+    pub fn new(boundaries: &BoundaryEvidence<'_>, windows: &WindowEvidence) -> Self {
+        let odds = windows.evidence.map(|odds| (i32::from(odds.to_bits()) + MIDDLE) as u16);
+        let mut rows = boundaries.cells().to_vec();
+        rows.extend(boundaries.known().map(u8::from));
+        rows.extend(windows.confidence.sixteenths());
         rows.extend(odds.map(|odds| (odds >> 8) as u8));
         rows.extend(odds.map(|odds| odds as u8));
         Self { rows }
@@ -57,7 +57,8 @@ impl Evidence {
     #[must_use]
     pub fn boundaries(&self) -> BoundaryEvidence<'_> {
         let known = self.row(0).map(|known| known > 0);
-        BoundaryEvidence::new(&self.rows[..CELLS], known).expect("as many cells as a survey has")
+        BoundaryEvidence::new(&self.rows[..CELLS], known)
+            .expect("the stored rows have the size of the evidence")
     }
 
     /// The window evidence by bin; the windows themselves are not stored.
@@ -115,9 +116,9 @@ mod tests {
     fn what_was_seen_round_trips() {
         let cells: Vec<u8> = (0..CELLS).map(|at| (at * at / 7) as u8).collect();
         let known = std::array::from_fn(|bin| bin % 3 > 0);
-        let survey = BoundaryEvidence::new(&cells, known).unwrap();
+        let boundaries = BoundaryEvidence::new(&cells, known).unwrap();
         let evidence = std::array::from_fn(|bin| LogOdds::from_bits(bin as i16 * 5 - 1024));
-        let sighting = WindowEvidence {
+        let windows = WindowEvidence {
             hit: evidence.map(|odds: LogOdds| if odds > LogOdds::ZERO { Hit::Window } else { Hit::Wall }),
             confidence: Confidence::new(&std::array::from_fn(|bin| (bin % 17) as u8)),
             evidence,
@@ -125,10 +126,10 @@ mod tests {
         };
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("1.png");
-        Evidence::new(&survey, &sighting).write(&path).unwrap();
+        Evidence::new(&boundaries, &windows).write(&path).unwrap();
         let back = Evidence::read(&path).unwrap();
-        assert_eq!(back.boundaries().cells(), survey.cells());
-        assert_eq!(back.boundaries().known(), survey.known());
-        assert_eq!(back.windows(), sighting);
+        assert_eq!(back.boundaries().cells(), boundaries.cells());
+        assert_eq!(back.boundaries().known(), boundaries.known());
+        assert_eq!(back.windows(), windows);
     }
 }

@@ -63,8 +63,8 @@ pub struct Record {
 }
 
 impl From<&ScoredPose> for Found {
-    fn from(mode: &ScoredPose) -> Self {
-        let ScoredPose { layer, at, heading, score } = *mode;
+    fn from(scored: &ScoredPose) -> Self {
+        let ScoredPose { layer, at, heading, score } = *scored;
         Self {
             layer,
             x: at.x.to_bits(),

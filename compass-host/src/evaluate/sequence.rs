@@ -142,7 +142,7 @@ mod tests {
     #[test]
     fn a_pose_has_its_heading_and_its_up() {
         let truth = Pose::looking(7, [3.0, -2.0, 1.4], 130.0, 20.0, 175.0);
-        let mode = ScoredPose {
+        let scored = ScoredPose {
             layer: 0,
             at: point(3.0, -2.0).unwrap(),
             heading: turn(truth.heading_deg()),
@@ -163,7 +163,7 @@ mod tests {
             paper: [None; crate::evaluate::PAPER.len()],
             milliseconds: std::collections::BTreeMap::new(),
         };
-        let back = pose(&record, &Found::from(&mode));
+        let back = pose(&record, &Found::from(&scored));
         assert!((back.position - truth.position).amax() < 1e-6);
         assert!(back.rotation.angle_to(&truth.rotation) < 1e-5, "{back:?}");
     }

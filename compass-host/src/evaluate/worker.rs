@@ -99,14 +99,14 @@ impl<'a> Worker<'a> {
         clock: &mut Clock,
     ) -> Result<Result<Seen, SeeError>> {
         let locator = self.locator(frames.map(|frame| frame.map(|frame| (frame.width(), frame.height()))))?;
-        let mut look = || {
+        let mut observe = || {
             let mut segmented = locator.segment(frames)?;
             let (up, from) = up.resolve(&mut segmented)?;
             let levelled = segmented.level(&up)?;
             let up = levelled.frame().up();
             Ok((Evidence::of(&mut see(levelled)), [up.x, up.y, up.z], from))
         };
-        let seen = look();
+        let seen = observe();
         clock.extend(locator.watch().milliseconds());
         Ok(seen)
     }

@@ -46,8 +46,8 @@ pub fn edges(rig: &Rig, images: [Option<&GrayImage<'_>>; 2], up: Vector3<f64>) -
     let up = up.normalize();
     let forward = (Vector3::z() - up * up.z).normalize();
     let axes = Matrix3::from_columns(&[forward, up.cross(&forward), up]);
-    let eye = |(n, view): (usize, &View)| Some((n, Camera::from(&view.camera), *view, images[n]?));
-    let eyes: Vec<_> = rig.views().filter_map(eye).collect();
+    let calibrated = |(n, view): (usize, &View)| Some((n, Camera::from(&view.camera), *view, images[n]?));
+    let cameras: Vec<_> = rig.views().filter_map(calibrated).collect();
     // The gray level at the end of a rung: the camera that sees it, and its value.
     let end = |surface: usize, rung_end: usize, azimuth_deg: f64| {
         let at = |offset: f64| {
@@ -59,8 +59,9 @@ pub fn edges(rig: &Rig, images: [Option<&GrayImage<'_>>; 2], up: Vector3<f64>) -
         let bearing = |view: &View, point: Vector3<f64>| {
             (view.rotation.cast::<f64>().transpose() * (point - view.position.cast())).normalize()
         };
-        let nearness = |eye: &&(usize, Camera, View, &GrayImage<'_>)| bearing(&eye.2, at(0.0)).z;
-        let (number, camera, view, image) = eyes.iter().max_by(|a, b| nearness(a).total_cmp(&nearness(b)))?;
+        let nearness = |entry: &&(usize, Camera, View, &GrayImage<'_>)| bearing(&entry.2, at(0.0)).z;
+        let (number, camera, view, image) =
+            cameras.iter().max_by(|a, b| nearness(a).total_cmp(&nearness(b)))?;
         if bearing(view, at(0.0)).z <= RIM_DEG.to_radians().cos() {
             return None;
         }
@@ -77,9 +78,9 @@ pub fn edges(rig: &Rig, images: [Option<&GrayImage<'_>>; 2], up: Vector3<f64>) -
     };
     let cell = |index: usize| {
         let (surface, rung, bin) = (index / (RUNGS * BINS), index / BINS % RUNGS, index % BINS);
-        let looks: Vec<_> =
+        let samples: Vec<_> =
             [-0.25, 0.25].iter().filter_map(|off| edge(surface, rung, bin as f64 + off)).collect();
-        (!looks.is_empty()).then(|| looks.iter().sum::<f64>() / looks.len() as f64)
+        (!samples.is_empty()).then(|| samples.iter().sum::<f64>() / samples.len() as f64)
     };
     (0..CELLS).into_par_iter().map(cell).collect()
 }
