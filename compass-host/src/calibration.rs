@@ -5,9 +5,9 @@
 //! | `pinhole` | `equidistant` | fx, fy, cx, cy | k1 to k4, of theta^3 to theta^9 |
 //! | `eucm` | `none` | alpha, beta, fx, fy, cx, cy | none |
 //!
-//! Cameras `cam0` and `cam1` are read, and `rostopic` of `imu0`; anything else is passed over. How cam1 lies
-//! to cam0 is taken from `T_cam_imu` of both, or from `T_cn_cnm1` of cam1. A first line `%YAML:1.0`, as
-//! `OpenCV` writes it, is accepted.
+//! Cameras `cam0` and `cam1` are read, and `rostopic` of `imu0`; anything else is ignored. The extrinsics of cam1 come
+//! from `T_cam_imu` of both, or from `T_cn_cnm1` of cam1. A first line `%YAML:1.0`, as `OpenCV` writes it, is
+//! accepted.
 
 use std::path::{Path, PathBuf};
 
@@ -19,13 +19,13 @@ use thiserror::Error;
 use crate::image_file::one_line;
 use crate::reference::camera::{Camera, Model};
 
-/// Largest departure of a rotation in the file from orthonormal: three decimals must have been written.
+/// Largest deviation of a rotation in the file from orthonormal: allows for values rounded to three decimals.
 const ORTHONORMAL: f64 = 2e-3;
 
-/// Largest difference of the two ways to tell cam1's place, in metres and as elements of a rotation.
+/// Largest difference of the two sources of cam1's extrinsics, in metres and as elements of a rotation.
 const AGREEING: f64 = 2e-3;
 
-/// A first coefficient as close to 1 as this is the linear one, which Kalibr leaves out.
+/// A first coefficient within this of 1 is the linear one, which Kalibr omits.
 const LEADING_ONE: f64 = 0.1;
 
 /// Longest side of an image in pixels.
@@ -34,7 +34,7 @@ const MAX_SIDE: u32 = 65_535;
 /// The file of [`Calibration::nominal`].
 pub const NOMINAL_YAML: &str = include_str!("calibration/nominal.yaml");
 
-/// Why a calibration could not be read or used: one line, with the file at fault.
+/// Why a calibration could not be read or used: one line that names the file at fault.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum CalibrationError {
@@ -43,18 +43,18 @@ pub enum CalibrationError {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         source: std::io::Error,
     },
-    /// The file is no YAML of the expected form.
+    /// The file is not YAML of the expected form.
     #[error("{}: not a Kalibr camera chain: {reason}", path.display())]
     Yaml {
         /// The file.
         path: PathBuf,
-        /// What the parser said, in one line.
+        /// The parser's message, in one line.
         reason: String,
     },
-    /// A field is missing or makes no sense.
+    /// A field is missing or invalid.
     #[error("{}: {field}: {problem}", path.display())]
     Field {
         /// The file.
@@ -64,7 +64,7 @@ pub enum CalibrationError {
         /// What is wrong with it.
         problem: String,
     },
-    /// The image has not the shape of the calibrated one.
+    /// The image has another aspect ratio than the calibrated one.
     #[error(
         "{}: cam{camera} is calibrated for {} x {} pixels, the image has {} x {}: not the same shape{hint}",
         path.display(), calibrated.0, calibrated.1, image.0, image.1
@@ -72,21 +72,21 @@ pub enum CalibrationError {
     Shape {
         /// The file.
         path: PathBuf,
-        /// 0 or 1.
+        /// Index of the camera: 0 or 1.
         camera: usize,
         /// Width and height in the file.
         calibrated: (u32, u32),
         /// Width and height of the image.
         image: (u32, u32),
-        /// What may be the matter, or nothing.
+        /// A hint at the cause, or empty.
         hint: &'static str,
     },
-    /// The core refused the rig.
+    /// The core rejected the rig.
     #[error("{}: {source}", path.display())]
     Rig {
         /// The file.
         path: PathBuf,
-        /// What the core said.
+        /// The core's error.
         source: CameraError,
     },
 }
@@ -98,13 +98,13 @@ pub struct CalibratedCamera {
     pub camera: Camera,
     /// Width and height of the calibrated image, pixels.
     pub resolution: (u32, u32),
-    /// `T_cam_imu`: takes points in the IMU's axes to the camera's, metres.
+    /// `T_cam_imu`: transforms points from the IMU's axes to the camera's, metres.
     pub from_imu: Option<Matrix4<f64>>,
-    /// `T_cn_cnm1`: takes points in the axes of the camera before to this one's, metres.
+    /// `T_cn_cnm1`: transforms points from the previous camera's axes to this one's, metres.
     pub from_previous: Option<Matrix4<f64>>,
-    /// `timeshift_cam_imu`: seconds to add to the image's time to have the IMU's; 0 when not given.
+    /// `timeshift_cam_imu`: seconds to add to the image's time to get the IMU's; 0 when absent.
     pub timeshift_s: f64,
-    /// `rostopic`: where its images are in a ROS bag.
+    /// `rostopic`: topic of its images in a ROS bag.
     pub topic: Option<String>,
 }
 
@@ -112,7 +112,7 @@ impl CalibratedCamera {
     /// The core's camera for an image of this size.
     ///
     /// # Errors
-    /// Parameters that the core refuses.
+    /// Parameters that the core rejects.
     pub fn core(
         &self,
         (width, height): (u32, u32),
@@ -133,10 +133,10 @@ impl CalibratedCamera {
     }
 }
 
-/// The core's camera of the reference's.
+/// The core's camera from the reference's.
 ///
 /// # Errors
-/// Parameters that the core refuses.
+/// Parameters that the core rejects.
 pub fn core_camera(camera: &Camera) -> Result<compass_core::vision::camera::Camera, CameraError> {
     use compass_core::vision::camera::{Camera as Core, Equidistant};
     let ([fx, fy], [cx, cy]) = (camera.focal, camera.centre);
@@ -152,23 +152,23 @@ fn ratio(a: u32, b: u32) -> f64 {
     f64::from(a) / f64::from(b)
 }
 
-/// What a calibration file says.
+/// The contents of a calibration file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Calibration {
     /// The file.
     pub path: PathBuf,
-    /// cam0 and cam1, as far as they are in the file.
+    /// cam0 and cam1; `None` for one that is not in the file.
     pub cameras: [Option<CalibratedCamera>; 2],
-    /// `rostopic` of `imu0`: where its readings are in a ROS bag. Kalibr itself writes it into another file.
+    /// `rostopic` of `imu0`: topic of its readings in a ROS bag. Kalibr itself writes it into another file.
     pub imu_topic: Option<String>,
 }
 
 impl Calibration {
-    /// An invented rig, for those who have none: two Kannala-Brandt fisheyes of about 190 degrees and
-    /// 736 x 720 pixels, back to back, 38 mm apart.
+    /// An invented rig, for use without a calibration: two Kannala-Brandt fisheyes of about 190 degrees and 736 x 720
+    /// pixels, back to back, 38 mm apart.
     ///
     /// # Panics
-    /// Never: a test reads it.
+    /// Never: the embedded file is valid, as a test checks.
     #[must_use]
     pub fn nominal() -> Self {
         Self::parse(Path::new("nominal.yaml"), NOMINAL_YAML.as_bytes().to_vec()).expect("tested")
@@ -177,8 +177,7 @@ impl Calibration {
     /// Reads and checks a calibration file.
     ///
     /// # Errors
-    /// [`CalibrationError`]: the file cannot be read, is no camera chain, or a field is missing or makes
-    /// no sense.
+    /// [`CalibrationError`]: the file cannot be read, is not a camera chain, or a field is missing or invalid.
     pub fn load(path: &Path) -> Result<Self, CalibrationError> {
         let bytes = std::fs::read(path)
             .map_err(|source| CalibrationError::Read { path: path.to_path_buf(), source })?;
@@ -206,8 +205,8 @@ impl Calibration {
     /// The rig for images of these sizes (width, height); `None` for a camera that is not used.
     ///
     /// # Errors
-    /// A camera that is not in the file, an image of another shape than the calibrated one, or a cam1
-    /// whose place the file does not tell.
+    /// A camera that is not in the file, an image of another aspect ratio than the calibrated one, or a cam1 without
+    /// extrinsics in the file.
     pub fn rig(&self, sizes: [Option<(u32, u32)>; 2]) -> Result<Rig, CalibrationError> {
         let [front, back] = sizes;
         let front = front.map(|size| self.view(0, size)).transpose()?;
@@ -221,7 +220,7 @@ impl Calibration {
         Rig::new([front, back]).map_err(refused)
     }
 
-    /// A camera in the place of cam0, for an image of this size.
+    /// A single camera in the role of cam0, for an image of this size.
     fn view(&self, number: usize, size: (u32, u32)) -> Result<View, CalibrationError> {
         let entry = Entry { path: &self.path, number };
         let Some(calibrated) = &self.cameras[number] else {
@@ -248,7 +247,7 @@ impl Calibration {
         Ok(View::new(camera, width, height))
     }
 
-    /// Takes points in cam1's axes to cam0's.
+    /// The transform from cam1's axes to cam0's.
     fn place_of_cam1(&self) -> Result<Matrix4<f64>, CalibrationError> {
         let [cam0, cam1] = self.cameras.each_ref();
         let imu = |camera: Option<&CalibratedCamera>| camera.and_then(|camera| camera.from_imu);
@@ -291,8 +290,8 @@ fn inverse(t: &Matrix4<f64>) -> Matrix4<f64> {
     rigid(&back, &-(back * translation(t)))
 }
 
-/// The text without its `%YAML` line, which `OpenCV` writes with a colon that YAML does not know; line
-/// numbers stay.
+/// The text with its `%YAML` line blanked, which `OpenCV` writes with a colon that is invalid in YAML; line numbers
+/// are unchanged.
 fn without_directive(text: &str) -> String {
     let text = text.trim_start_matches('\u{feff}');
     match text.split_once('\n') {
@@ -313,7 +312,7 @@ struct Imu {
     rostopic: Option<String>,
 }
 
-/// One camera as written; what is missing is complained about with the camera's name.
+/// One camera as written; errors about missing fields name the camera.
 #[derive(Deserialize)]
 struct Fields {
     camera_model: Option<String>,
@@ -329,7 +328,7 @@ struct Fields {
     rostopic: Option<String>,
 }
 
-/// Where a value comes from, for its errors.
+/// The origin of a value, for its errors.
 #[derive(Clone, Copy)]
 struct Entry<'a> {
     path: &'a Path,
@@ -454,7 +453,7 @@ impl Entry<'_> {
         Err(self.wrong(field, format!("is {values:?}; finite numbers are needed")))
     }
 
-    /// The lens, if the core can work with it.
+    /// The lens, if the core supports it.
     fn lens(&self, model: Model, [fx, fy, cx, cy]: [f64; 4]) -> Result<Camera, CalibrationError> {
         let camera = Camera { model, focal: [fx, fy], centre: [cx, cy] };
         core_camera(&camera).map_err(|error| {

@@ -1,4 +1,4 @@
-//! How long the stages of a piece of work take.
+//! Times of the stages of a computation.
 
 use std::collections::BTreeMap;
 use std::time::Instant;
@@ -22,18 +22,18 @@ impl Clock {
         self.restart();
     }
 
-    /// Begins a stage anew: what went before belongs to none.
+    /// Restarts the current stage: the time before it is discarded.
     pub fn restart(&mut self) {
         self.last = Instant::now();
     }
 
-    /// Takes over stages that were timed elsewhere.
+    /// Adds stages that were timed elsewhere.
     pub fn extend(&mut self, stages: impl IntoIterator<Item = (&'static str, f64)>) {
         self.stages.extend(stages);
         self.restart();
     }
 
-    /// What the stages took.
+    /// The times by stage.
     pub fn stages(&self) -> &BTreeMap<&'static str, f64> {
         &self.stages
     }

@@ -1,6 +1,6 @@
 //! The core against the float reference, stage by stage.
 //!
-//! The bounds are the core's own, stated beside each stage's type.
+//! The bounds are the core's own, declared beside each stage's type.
 
 pub mod camera;
 pub mod segments;
@@ -42,7 +42,7 @@ pub enum CompareError {
     /// A frame was not rendered.
     #[error("a rendered frame")]
     Frame,
-    /// The up vector leaves no heading.
+    /// The up vector defines no heading.
     #[error("a heading")]
     Heading,
 }
@@ -50,17 +50,17 @@ pub enum CompareError {
 /// One stage of the comparison.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stage {
-    /// What was compared.
+    /// Name of the quantity compared.
     pub name: &'static str,
     /// Unit of the three figures.
     pub unit: &'static str,
-    /// The worst difference (for shares and ratios: the lowest).
+    /// The worst difference (for shares and ratios: the lowest value).
     pub worst: f64,
     /// The median difference.
     pub typical: f64,
-    /// What the worst must not exceed (for shares and ratios: fall below).
+    /// The bound of the worst (for shares and ratios: the least value).
     pub bound: f64,
-    /// How many values were compared.
+    /// Number of values compared.
     pub compared: usize,
     /// Whether the bound holds.
     pub in_bounds: bool,
@@ -81,7 +81,7 @@ impl Stage {
         Self { name, unit, worst, typical, bound, compared: values.len(), in_bounds: worst >= bound }
     }
 
-    /// The first of two counts as a share of the second, at least so many parts in a million.
+    /// The ratio of the first to the second of two counts, with a bound in parts per million.
     fn share(name: &'static str, [alike, all]: [usize; 2], least_ppm: u32) -> Self {
         let share = alike as f64 / all.max(1) as f64;
         let stage = Self::at_least(name, "share", vec![share], f64::from(least_ppm) / 1e6);
@@ -89,7 +89,7 @@ impl Stage {
     }
 }
 
-/// A pose that was cast by both.
+/// A pose with the scans of both implementations.
 struct Pair {
     fixed: Scan,
     float: reference::Scan,
@@ -123,7 +123,7 @@ pub fn compare(
     compare_with_progress(raster, plan, poses, seed, &Silent)
 }
 
-/// [`compare`], showing its progress.
+/// [`compare`] with progress reports.
 ///
 /// # Errors
 /// As [`compare`].
@@ -155,7 +155,7 @@ pub fn compare_with_progress(
     Ok(stages)
 }
 
-/// Random free positions inside the building, in cells that hold nothing occupied.
+/// Random free positions inside the building, in cells without occupied pixels.
 ///
 /// # Errors
 /// A plan without interior.
@@ -240,8 +240,8 @@ fn fft_stages(seed: u64) -> [Stage; 2] {
     ]
 }
 
-/// Scores of neighbouring poses against each other: the fixed descriptor's through the FFT and at its
-/// exact peak, the float one's by direct sums.
+/// Scores of neighbouring poses against each other: the fixed-point descriptor's through the FFT and at its exact
+/// peak, the float one's by direct sums.
 fn score_stages(pairs: &[Pair]) -> Vec<Stage> {
     let weights = [1.0; 5];
     let sample = &pairs[..pairs.len().min(41)];
@@ -261,7 +261,7 @@ fn score_stages(pairs: &[Pair]) -> Vec<Stage> {
             scores.extend(found.iter().zip(&expected).map(|(f, e)| (f.to_num::<f64>() - e).abs()));
             let peak = query.peak(&candidate, &mut correlator);
             let best = expected.iter().copied().fold(f64::MIN, f64::max);
-            // A tie may fall either way: what counts is the score that the float sum gives that shift.
+            // Ties may resolve differently: compare with the float score at the same shift.
             peaks.push(best - expected[usize::from(peak.shift)]);
         }
         let bound = SCORE_ERROR.to_num();

@@ -1,4 +1,4 @@
-//! What cameras see against what a plan says, by hit type alone (paper: cross-modal check).
+//! Observed hit types against those of a plan (paper: cross-modal check).
 
 use compass_core::base::confidence::Confidence;
 use compass_core::base::num::BINS;
@@ -7,24 +7,24 @@ use compass_core::descriptor::channels::hit_level;
 use compass_core::descriptor::similarity::{Candidate, Query, Similarity, Weights};
 use compass_core::descriptor::{Channel, Descriptor};
 
-/// How well hit types seen from a pose agree with those cast from the plan there.
+/// Agreement of the hit types observed from a pose with those cast from the plan there.
 #[derive(Debug, Clone)]
 pub struct CrossModal {
-    /// Bins that were seen: of confidence above 0.
+    /// Observed bins: those with a confidence above 0.
     pub known: [bool; BINS],
-    /// Bins seen that have the same hit type in the plan.
+    /// Observed bins that have the same hit type in the plan.
     pub agreeing: usize,
     /// Cosine of the hit types at every shift of the heading.
     pub cosine: [f64; BINS],
-    /// The same without the means.
+    /// The same with the means removed.
     pub centred: [f64; BINS],
 }
 
 impl CrossModal {
-    /// Compares what was seen, as sure as `confidence` says, with a scan of the plan.
+    /// Compares an observation, weighted by `confidence`, with a scan of the plan.
     ///
-    /// At shift s the heading of what was seen is taken to be s degrees ahead of the scan's, counter-clockwise.
-    /// Bins of confidence 0 neither help nor hurt at any shift; all scores are exact.
+    /// At shift s the heading of the observation is assumed to be s degrees ahead of the scan's, counter-clockwise.
+    /// Bins of confidence 0 have no influence at any shift; all scores are exact.
     #[must_use]
     pub fn new(seen: &[Hit; BINS], confidence: &Confidence, plan: &Scan) -> Self {
         let known = confidence.sixteenths().map(|c| c > 0);
@@ -42,14 +42,14 @@ impl CrossModal {
         Self { known, agreeing, cosine, centred }
     }
 
-    /// Number of bins seen.
+    /// Number of observed bins.
     #[must_use]
     pub fn seen(&self) -> usize {
         self.known.iter().filter(|&&known| known).count()
     }
 
-    /// The shift of the best centred score, -179 to 180: the heading of what was seen less the scan's, in degrees. Of
-    /// equal ones the nearest to 0.
+    /// The shift of the best centred score, -179 to 180: the heading of the observation less the scan's, in degrees.
+    /// Of equal ones the nearest to 0.
     #[must_use]
     pub fn peak_shift_deg(&self) -> i32 {
         let shifts = (0..=180).flat_map(|turn| [turn, -turn]).filter(|&shift| shift > -180);
@@ -78,7 +78,7 @@ mod tests {
         hit
     }
 
-    /// Two-hundred bins: what one camera sees.
+    /// Two hundred bins: the field of one camera.
     fn half() -> Confidence {
         Confidence::new(&std::array::from_fn(|bin| if (100..260).contains(&bin) { 0 } else { 7 }))
     }
@@ -113,7 +113,7 @@ mod tests {
         let level = |hit: Hit| hit_level(hit).to_num::<f64>();
         let weight = |bin: usize| f64::from(half().sixteenths()[bin]);
         for shift in (0..BINS).step_by(37) {
-            // Bin i of what was seen meets bin i + shift of the plan.
+            // Bin i of the observation meets bin i + shift of the plan.
             let pairs =
                 || (0..BINS).map(|i| (weight(i), level(seen[i]), level(plan.hit[(i + shift) % BINS])));
             let sum = |f: &dyn Fn(f64, f64) -> f64| pairs().map(|(m, a, b)| m * f(a, b)).sum::<f64>();

@@ -1,4 +1,4 @@
-//! Camera frames: an image file as the gray and colour rasters that the core looks at.
+//! Camera frames: image files as the gray and colour rasters that the core processes.
 
 use crate::image_file::{self, ImageFileError, Pixels, Samples};
 use crate::wide::wide;
@@ -21,12 +21,12 @@ impl Frame {
     /// Reads an image file: PNG, JPEG, PGM, BMP or TIFF, gray or colour, 8 or 16 bits, with or without alpha.
     ///
     /// # Errors
-    /// [`ImageFileError`] for a file that is missing, no image, damaged, truncated or too large.
+    /// [`ImageFileError`] for a file that is missing, not an image, damaged, truncated or too large.
     pub fn read(path: &Path) -> Result<Self, ImageFileError> {
         image_file::read(path).map(Self::from)
     }
 
-    /// A frame of samples that are at hand; `None` when a side is 0 or above 65535.
+    /// A frame of samples in memory; `None` when a side is 0 or above 65535.
     #[must_use]
     pub fn from_rgb(image: image::RgbImage) -> Option<Self> {
         let (width, height) = image.dimensions();
@@ -51,7 +51,7 @@ impl Frame {
     /// The frame in gray.
     ///
     /// # Panics
-    /// Never: both sides were checked when the frame was made.
+    /// Never: both sides were checked by the constructor.
     #[must_use]
     pub fn gray(&self) -> GrayImage<'_> {
         GrayImage::new(&self.gray, self.width, self.height).expect("sides were checked")
@@ -107,7 +107,7 @@ fn to_gray(rgb: &[u8]) -> Vec<u8> {
 /// Most segments kept of a frame.
 pub const MAX_SEGMENTS: usize = 8192;
 
-/// A segment detector with its buffers, made once for frames of one size and used again.
+/// A segment detector with its buffers, constructed once for frames of one size and reused.
 #[derive(Debug)]
 pub struct SegmentDetector {
     cells: Vec<u16>,
@@ -144,7 +144,7 @@ impl SegmentDetector {
     /// Finds the segments of an image. Nothing is allocated.
     ///
     /// # Errors
-    /// As [`segments::detect`]: an image above its size, or larger than the buffers are made for.
+    /// As [`segments::detect`]: an image above its size, or larger than the buffers.
     pub fn detect(
         &mut self,
         image: &GrayImage<'_>,
@@ -158,7 +158,7 @@ impl SegmentDetector {
 }
 
 wide! {
-    /// [`segments::detect`] with the widest vectors that this machine has; the result is the same.
+    /// [`segments::detect`] with the widest SIMD of this machine; the result is the same.
     fn detect(
         image: &GrayImage<'_>,
         mask: Option<&BitMask<'_>>,

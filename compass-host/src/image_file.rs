@@ -1,4 +1,4 @@
-//! Image files to 8-bit gray or RGB; what is transparent lies over white paper.
+//! Decodes image files to 8-bit gray or RGB; transparency is blended with white.
 
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -11,7 +11,7 @@ use thiserror::Error;
 /// Longest side of an image, in pixels.
 pub const MAX_SIDE: u32 = 65_535;
 
-/// Why an image could not be read: one line, with the file at fault.
+/// Why an image could not be read: one line that names the file at fault.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ImageFileError {
@@ -20,10 +20,10 @@ pub enum ImageFileError {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         source: std::io::Error,
     },
-    /// What is in the file is no image that could be used.
+    /// The content of the file is not a usable image.
     #[error("{}: {problem}", path.display())]
     Decode {
         /// The file.
@@ -33,17 +33,17 @@ pub enum ImageFileError {
     },
 }
 
-/// Why bytes are no image that could be used.
+/// Why bytes are not a usable image.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum DecodeError {
-    /// The bytes are no PNG, JPEG, PGM, BMP or TIFF image.
+    /// The bytes are not a PNG, JPEG, PGM, BMP or TIFF image.
     #[error("not a PNG, JPEG, PGM, BMP or TIFF image")]
     NotAnImage,
-    /// The bytes start as an image but cannot be decoded; a truncated file ends here.
+    /// The bytes start as an image but cannot be decoded, as in a truncated file.
     #[error("damaged or truncated image: {reason}")]
     Damaged {
-        /// What the decoder said, in one line.
+        /// The decoder's message, in one line.
         reason: String,
     },
     /// A side of the image is 0 or longer than [`MAX_SIDE`].
@@ -71,7 +71,7 @@ pub struct Pixels {
     pub samples: Samples,
 }
 
-/// Gray stays gray: such an image has no red, and is judged faster.
+/// Gray stays gray: such an image has no red, and is classified faster.
 #[derive(Debug)]
 pub enum Samples {
     /// One byte per pixel.
@@ -81,7 +81,7 @@ pub enum Samples {
 }
 
 impl Pixels {
-    /// The colour of every pixel, when there is but one.
+    /// The colour of all pixels, if they have only one.
     #[must_use]
     pub fn only_colour(&self) -> Option<[u8; 3]> {
         match &self.samples {
@@ -97,10 +97,10 @@ impl Pixels {
     }
 }
 
-/// Decodes the image at `path`, whatever its extension says.
+/// Decodes the image at `path`; the extension is ignored.
 ///
 /// # Errors
-/// [`ImageFileError`] for a file that is missing, no image, damaged, truncated or too large.
+/// [`ImageFileError`] for a file that is missing, not an image, damaged, truncated or too large.
 pub fn read(path: &Path) -> Result<Pixels, ImageFileError> {
     let bytes =
         std::fs::read(path).map_err(|source| ImageFileError::Read { path: path.to_path_buf(), source })?;
@@ -110,7 +110,7 @@ pub fn read(path: &Path) -> Result<Pixels, ImageFileError> {
 /// Decodes the bytes of an image file.
 ///
 /// # Errors
-/// [`DecodeError`] for what is no image, damaged, truncated or too large.
+/// [`DecodeError`] for bytes that are not an image, damaged, truncated or too large.
 pub fn decode(bytes: &[u8]) -> Result<Pixels, DecodeError> {
     let damaged = |error: ImageError| DecodeError::Damaged { reason: one_line(&error.to_string()) };
     let format = image::guess_format(bytes).map_err(|_| DecodeError::NotAnImage)?;
@@ -136,7 +136,7 @@ pub fn decode(bytes: &[u8]) -> Result<Pixels, DecodeError> {
     Ok(Pixels { width, height, samples: samples(image) })
 }
 
-/// Whether both sides of an image are within what can be worked with.
+/// Whether both sides of an image are within the supported range.
 pub(crate) fn check_size(width: u32, height: u32) -> Result<(), DecodeError> {
     if (1..=MAX_SIDE).contains(&width) && (1..=MAX_SIDE).contains(&height) {
         return Ok(());
@@ -144,12 +144,12 @@ pub(crate) fn check_size(width: u32, height: u32) -> Result<(), DecodeError> {
     Err(DecodeError::Size { width, height })
 }
 
-/// The lines of a message in one.
+/// A message joined into one line.
 pub(crate) fn one_line(message: &str) -> String {
     message.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// Whether an end marker follows the last scan; the decoder itself fills what is missing with gray.
+/// Whether an end marker follows the last scan; the decoder itself fills missing data with gray.
 fn jpeg_is_complete(bytes: &[u8]) -> bool {
     let marker = |code: u8| bytes.windows(2).rposition(|pair| pair == [0xff, code]);
     marker(0xd9) > marker(0xda)

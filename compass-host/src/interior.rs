@@ -1,23 +1,22 @@
-//! Which free places of a floor plan lie inside the building.
+//! Finds the free places of a floor plan that lie inside the building.
 //!
-//! A plan says where walls and windows are, not which side of them is indoors, and its outline is
-//! seldom closed: doors stand open, a garage has no gate. Candidate positions must cover every room
-//! and none of the street, so this module closes the outline and checks the closure twice:
+//! A plan shows walls and windows, not which side of them is indoors, and its outline is seldom closed: doors stand
+//! open, a garage has no gate. Candidate positions must cover every room and none of the street, so this module closes
+//! the outline and checks the closure twice:
 //!
 //! 1. **Opening by a disc.** The plan is reduced to cells of about [`CELL_M`]. The outside is every
 //!    place that a disc as wide as the bridged gap, rolled in from beyond the plan, can cover.
-//! 2. **Enclosure.** From a place indoors nearly every ray meets something; in a yard or in front
-//!    of a facade many leave the plan. Of 64 rays, [`MIN_ENCLOSURE`] must meet something.
+//! 2. **Enclosure.** From a place indoors nearly every ray has a hit; in a yard or in front of a facade many leave the
+//!    plan. Of 64 rays, [`MIN_ENCLOSURE`] must have a hit.
 //! 3. **Ladder.** The gap is the smallest of [`GAP_LADDER_M`] whose interior has at least
 //!    [`ENOUGH`] of the area of the free cells that are enclosed by [`WELL_ENCLOSED`].
 //! 4. **Pieces.** Connected pieces below [`MIN_PIECE_M2`] (ducts, hollow piers) are dropped, and those
 //!    of which less than half is enclosed by [`WELL_ENCLOSED`]: outer corners that the disc cannot fill.
 //!
-//! A walled passage narrower than the bridged gap counts as inside: nothing in the plan tells it
-//! from a corridor.
+//! A walled passage narrower than the bridged gap counts as inside: nothing in the plan distinguishes it from a
+//! corridor.
 //!
-//! Cost: one look at every pixel, then linear in the cells; the timings are printed by the test
-//! `real_plans`.
+//! Cost: one pass over the pixels, then linear in the cells; the test `real_plans` prints timings.
 
 mod candidates;
 mod enclosure;
@@ -30,11 +29,11 @@ use compass_core::base::raster::BitMask;
 use enclosure::RAYS;
 use grid::Grid;
 
-/// Wanted side of a cell in metres; a cell is a whole number of pixels.
+/// Target side of a cell in metres; a cell is a whole number of pixels.
 pub const CELL_M: f64 = 0.08;
 /// Gaps tried in turn, in metres: cracks, a door, a double door, a gate, a vehicle opening.
 pub const GAP_LADDER_M: [f64; 5] = [0.5, 1.5, 3.0, 6.0, 12.0];
-/// Share of the rays of an inside place that meet something.
+/// Least share of the rays of an inside place that have a hit.
 pub const MIN_ENCLOSURE: f64 = 0.6;
 /// Share of the rays above which a place is expected to be inside.
 pub const WELL_ENCLOSED: f64 = 0.9;
@@ -42,7 +41,7 @@ pub const WELL_ENCLOSED: f64 = 0.9;
 pub const ENOUGH: f64 = 0.8;
 /// Smallest connected piece of interior in square metres.
 pub const MIN_PIECE_M2: f64 = 1.0;
-/// Distance of a candidate from anything occupied, in metres, unless the caller knows better.
+/// Default distance of a candidate from anything occupied, in metres.
 pub const CLEARANCE_M: f64 = 0.2;
 
 /// Widest gap that [`InteriorOptions::max_gap_m`] may ask to bridge, in metres.
@@ -50,11 +49,11 @@ const WIDEST_GAP_M: f64 = 100.0;
 /// Most cells along a side; larger plans get larger cells.
 const MAX_CELLS: u32 = 8192;
 
-/// Choices of [`find`].
+/// Options of [`find`].
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[non_exhaustive]
 pub struct InteriorOptions {
-    /// Widest opening of the outline to bridge, in metres; `None` climbs [`GAP_LADDER_M`].
+    /// Widest opening of the outline to bridge, in metres; `None` tries [`GAP_LADDER_M`] in turn.
     pub max_gap_m: Option<f64>,
 }
 
@@ -70,12 +69,12 @@ impl InteriorOptions {
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum InteriorError {
-    /// Nothing is left inside.
+    /// No place is inside.
     #[error(
         "plan has no interior: no free place of {MIN_PIECE_M2} m2 is enclosed (gaps up to {max_gap_m} m bridged)"
     )]
     NoInterior {
-        /// The widest gap that was bridged.
+        /// The widest bridged gap.
         max_gap_m: f64,
     },
     /// Walls, windows and interior are of different sizes.
@@ -87,10 +86,10 @@ pub enum InteriorError {
     /// The gap is not a positive number of metres, or too wide.
     #[error("gap to bridge is {0} m, expected above 0 and at most {WIDEST_GAP_M}")]
     Gap(f64),
-    /// The candidate spacing is below one pixel or no number.
+    /// The candidate spacing is below one pixel or not finite.
     #[error("candidate spacing is {0} m, expected at least one pixel")]
     Spacing(f64),
-    /// The candidate clearance is negative or no number.
+    /// The candidate clearance is negative or not finite.
     #[error("candidate clearance is {0} m, expected a number from 0")]
     Clearance(f64),
 }
@@ -126,15 +125,14 @@ impl Interior {
 
     /// Area of the inside cells in square metres.
     ///
-    /// Leaves out the cells along walls, so it is below the net floor area by about half a cell
-    /// per metre of wall.
+    /// It excludes the cells along walls, so it is below the net floor area by about half a cell per metre of wall.
     #[must_use]
     pub fn area_m2(&self) -> f64 {
         let side = f64::from(self.cell_px) * self.resolution_m;
         self.inside.iter().filter(|&&inside| inside).count() as f64 * side * side
     }
 
-    /// Widest opening that was bridged, in metres.
+    /// Widest bridged opening, in metres.
     #[must_use]
     pub const fn max_gap_m(&self) -> f64 {
         self.max_gap_m
@@ -147,7 +145,7 @@ impl Interior {
     }
 }
 
-/// Finds the inside of a plan (see the [module](self) for how).
+/// Finds the inside of a plan (for the method see the [module](self)).
 ///
 /// `resolution_m` is metres per pixel. Anything set in either mask is occupied; beyond the masks
 /// everything is outside.
@@ -198,7 +196,7 @@ pub fn find(
     })
 }
 
-/// The cells inside for the first gap of the ladder that leaves enough of them, and that gap.
+/// The inside cells for the first gap of the ladder that leaves enough of them, and that gap.
 fn climb(grid: &Grid, distance2: &[i32], hits: &[u8], ladder: &[f64], cell_m: f64) -> (Vec<bool>, f64) {
     let rays = f64::from(RAYS);
     let enclosed = |share: f64| move |&(&hits, &d): &(&u8, &i32)| d > 0 && f64::from(hits) >= share * rays;

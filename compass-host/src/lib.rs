@@ -31,7 +31,7 @@
 //! # }
 //! ```
 //!
-//! The root re-exports what such a program needs; everything else is for those who measure or rebuild a stage.
+//! The root re-exports what such a program needs; the modules are for callers that measure or rebuild a stage.
 //! Lengths are metres, angles degrees, and the map has x to the right and y up, unless a name says otherwise.
 //!
 //! # Modules, in reading order

@@ -1,17 +1,17 @@
-//! From a pair of frames to a pose: all stages with their defaults, in one call.
+//! From a pair of frames to a pose: all stages with their default options, in one call.
 
 use crate::frame::Frame;
 use crate::locator::{Locator, SeeError, see};
 use crate::up::Mount;
 use compass_core::{Fix, HeightPrior};
 
-/// Finds where in a site a pair of frames was taken.
+/// Finds the pose in a site from which a pair of frames was taken.
 ///
-/// `frames` are those of cam0 and cam1, of the sizes that the rig of the locator was made for. `mount` says which side of
+/// `frames` are those of cam0 and cam1, in the sizes for which the locator's rig was made. `mount` says which side of
 /// cam0's image is up.
 ///
 /// # Errors
-/// [`SeeError`]: the image does not tell which way is up, or the frames are not those of the rig.
+/// [`SeeError`]: the up vector cannot be determined from the image, or the frames do not match the rig.
 pub fn localize<'a>(
     locator: &mut Locator<'a>,
     frames: [Option<&Frame>; 2],

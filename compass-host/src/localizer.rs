@@ -1,4 +1,4 @@
-//! Site maps with their index, ready to answer.
+//! Site maps with the index for the paper's matching.
 
 use compass_core::base::confidence::Confidence;
 use compass_core::base::num::Score;
@@ -13,21 +13,21 @@ use compass_core::map::site_map::SiteMap;
 use rayon::prelude::*;
 use std::cmp::Reverse;
 
-/// Matches that the search may choose its alternatives from.
+/// Matches kept by the search, from which the alternatives are selected.
 const POOL: usize = 512;
 
-/// How to match.
+/// Options of the matching.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct MatchOptions {
     /// Plain or centred cosine.
     pub similarity: Similarity,
     /// Channel weights.
     pub weights: Weights,
-    /// Keep about this many candidates of a map, those of the nearest transition signatures.
+    /// Keep about this many candidates of a map: those with the nearest transition signatures.
     pub prefilter: Option<u32>,
 }
 
-/// A site map and what the exact search needs beside it.
+/// A site map with the index of the exact search.
 pub struct Localizer<'a> {
     map: SiteMap<'a>,
     groups: Vec<Group>,
@@ -65,7 +65,7 @@ impl<'a> Localizer<'a> {
         &self.map
     }
 
-    /// Finds the candidates and headings that fit a scan best.
+    /// Finds the candidates and headings that match a scan best.
     ///
     /// # Panics
     /// Never: the index is that of the map.
@@ -73,7 +73,7 @@ impl<'a> Localizer<'a> {
         self.locate_masked(scan, &Confidence::CERTAIN, options)
     }
 
-    /// The same for a scan of which not every bin is certain.
+    /// [`Localizer::locate`] for a scan with a confidence per bin.
     ///
     /// # Panics
     /// As [`Localizer::locate`].
@@ -104,15 +104,15 @@ pub struct SiteLocalizer<'a> {
     floors: Vec<Localizer<'a>>,
 }
 
-/// What a search of all floors found.
+/// The result of a search over all floors.
 #[derive(Debug, Clone)]
 pub struct SiteAnswer {
-    /// Number of the floor and match there, best first; on one floor at least 1 m or 20 degrees apart. Of equal
-    /// scores the lower number comes first. At most [`MAX_ALTERNATIVES`].
+    /// Index of the floor and match on it, best first; on one floor at least 1 m or 20 degrees apart. Of equal scores
+    /// the lower index comes first. At most [`MAX_ALTERNATIVES`].
     pub matches: Vec<(usize, Match)>,
-    /// Candidates that were scored exactly, at one shift or more.
+    /// Candidates whose score was computed exactly at one shift or more.
     pub scored: u32,
-    /// Whether nothing that was left out could have won.
+    /// Whether no pruned candidate can have a higher score.
     pub exhaustive: bool,
 }
 
@@ -123,7 +123,7 @@ impl<'a> SiteLocalizer<'a> {
         Self { floors: maps.into_iter().map(Localizer::new).collect() }
     }
 
-    /// Finds the floors, candidates and headings that fit a scan best.
+    /// Finds the floors, candidates and headings that match a scan best.
     ///
     /// # Panics
     /// As [`Localizer::locate`].
@@ -142,8 +142,8 @@ impl<'a> SiteLocalizer<'a> {
 }
 
 impl SiteAnswer {
-    /// By how much the best score exceeds the best one elsewhere, another floor included; the best score itself when
-    /// there is no other.
+    /// By how much the best score exceeds the best one elsewhere, another floor included; the best score itself
+    /// without another one.
     #[must_use]
     pub fn margin(&self) -> Score {
         let score = |at: usize| self.matches.get(at).map_or(Score::ZERO, |(_, found)| found.peak.score());

@@ -1,4 +1,4 @@
-//! The pipeline of `compass-core` with memory on the heap, the widest vectors of the machine, and a watch.
+//! The pipeline of `compass-core` with memory on the heap, the widest SIMD of the machine, and a timer per stage.
 
 use crate::frame::Frame;
 use crate::site_file::SiteFloor;
@@ -18,11 +18,11 @@ use std::collections::BTreeMap;
 use std::time::Instant;
 use thiserror::Error;
 
-/// Why nothing could be seen.
+/// Why the stages before the search failed.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum SeeError {
-    /// The up vector leaves no heading.
+    /// The up vector defines no heading: it is parallel to the optical axis, zero or not finite.
     #[error("the up vector lies along the optical axis of cam0, or is no vector: it leaves no heading")]
     Up,
     /// Too few segments point to one vertical vanishing point.
@@ -30,17 +30,17 @@ pub enum SeeError {
         "cannot tell which way is up: fewer than {LEAST_INLIERS} segments point to one vertical vanishing point; give it with --up"
     )]
     NoVertical,
-    /// The windows do not tell up from down.
+    /// The windows do not decide which of the two vertical directions is up.
     #[error(
         "cannot tell up from down: no windows, or no sky in them; give --mount upright or inverted, or --up"
     )]
     NoSky,
-    /// Image and IMU tell different directions.
+    /// The up vectors from the image and from the IMU disagree.
     #[error(
         "image and IMU disagree on up by {0:.1} degrees: is the IMU at rest, and its calibration that of this rig?"
     )]
     Disagreement(f64),
-    /// The frames are not those of the rig.
+    /// The frames do not match the cameras of the rig.
     #[error(transparent)]
     Frames(LocateError),
 }
@@ -63,33 +63,33 @@ pub struct NoPlan;
 type Inner<'a> = locator::Locator<'a, Vec<u32>, Watch, LAYERS_OF_A_SITE>;
 /// Frames whose line segments were found.
 pub type Segmented<'l, 'f, 'a> = locator::Segmented<'l, 'f, Inner<'a>>;
-/// Frames of which it is known which way is up.
+/// Frames whose up vector is known.
 pub type Levelled<'l, 'f, 'a> = locator::Levelled<'l, 'f, Inner<'a>>;
-/// Frames of which is known what they show.
+/// Frames with their windows, boundaries and hit types.
 pub type Seen<'l, 'a> = locator::Seen<'l, Inner<'a>>;
 
-/// Finds the poses of a rig on a site: made once, used for every pair of frames without allocating.
+/// Finds the poses of a rig on a site: constructed once, then used for every pair of frames without allocating.
 #[derive(Debug)]
 pub struct Locator<'a>(Inner<'a>);
 
 impl<'a> Locator<'a> {
-    /// For the cameras of a rig on these floors.
+    /// A locator for the cameras of a rig on these floors.
     ///
     /// # Errors
     /// [`NoPlan`] if a floor has no plan to refine poses on, as plain site maps have none.
     ///
     /// # Panics
-    /// Never: the memory is made for the rig, and the layers of a site fit.
+    /// Never: the memory is sized for the rig, and the layers of a site fit.
     pub fn new(floors: &[SiteFloor<'a>], rig: Rig, settings: Settings) -> Result<Self, NoPlan> {
         let mut locator = Self::without_site(rig, settings);
         locator.add(floors)?;
         Ok(locator)
     }
 
-    /// For the cameras of a rig, to look around with.
+    /// A locator for the cameras of a rig that only observes, without a site to search.
     ///
     /// # Panics
-    /// Never: the memory is made for the rig.
+    /// Never: the memory is sized for the rig.
     #[must_use]
     pub fn without_site(rig: Rig, settings: Settings) -> Self {
         let memory = vec![0; settings.memory_words_of(&rig)];
@@ -97,13 +97,13 @@ impl<'a> Locator<'a> {
         Self(inner.with_trace(Watch::default()))
     }
 
-    /// To search what was seen before on these floors.
+    /// A locator that searches stored evidence on these floors, without cameras.
     ///
     /// # Errors
     /// As [`Self::new`].
     ///
     /// # Panics
-    /// Never: the memory is made for the settings, and the layers of a site fit.
+    /// Never: the memory is sized for the settings, and the layers of a site fit.
     pub fn without_rig(floors: &[SiteFloor<'a>], settings: Settings) -> Result<Self, NoPlan> {
         let memory = vec![0; settings.memory_words(0, 0)];
         let inner = locator::Locator::without_rig(settings, memory).expect("the memory is made for it");
@@ -144,12 +144,12 @@ impl<'a> Locator<'a> {
         self.0.layers()
     }
 
-    /// What the stages took, and what they considered.
+    /// Stage times, and the window candidates if they are kept.
     pub const fn watch(&mut self) -> &mut Watch {
         self.0.trace_mut()
     }
 
-    /// Finds the segments of the frames of cam0 and cam1: those of the rig's cameras, and no others.
+    /// Finds the segments of the frames of cam0 and cam1; exactly the cameras of the rig must have a frame.
     ///
     /// # Errors
     /// [`SeeError::Frames`].
@@ -160,7 +160,7 @@ impl<'a> Locator<'a> {
         Ok(segment(&mut self.0, &frames.map(|frame| frame.map(lent)))?)
     }
 
-    /// [`segment`](Self::segment) for frames that lie elsewhere, as in packed ones.
+    /// [`segment`](Self::segment) for borrowed frames, as in packed ones.
     ///
     /// # Errors
     /// [`SeeError::Frames`].
@@ -171,7 +171,7 @@ impl<'a> Locator<'a> {
         Ok(segment(&mut self.0, frames)?)
     }
 
-    /// The stage after all that was seen, from evidence that was kept of it.
+    /// The stage after observation, restored from stored evidence.
     pub fn recall<'l>(
         &'l mut self,
         boundaries: &BoundaryEvidence<'_>,
@@ -180,13 +180,13 @@ impl<'a> Locator<'a> {
         self.0.recall(boundaries, windows)
     }
 
-    /// Finds the poses that explain some evidence best, which `fill` writes into an empty table.
+    /// Finds the poses that best explain the evidence that `fill` writes into an empty table.
     pub fn explain(&mut self, fill: impl FnOnce(&mut EvidenceTable)) -> Alternatives {
         self.0.explain(fill)
     }
 }
 
-/// The frame as the core takes it: red safety gear is left out where there are colours.
+/// The frame as the core takes it: in colour frames red safety gear is masked out.
 fn lent(frame: &Frame) -> locator::Frame<'_> {
     let colours = frame.rgb().and_then(|rgb| RgbImage::new(rgb, frame.width(), frame.height()).ok());
     let excluded = colours.map_or(ExclusionMask::Unknown, ExclusionMask::Colours);
@@ -201,7 +201,7 @@ wide! {
         locator.segment(frames)
     }
 
-    /// [`Levelled::see`](locator::Levelled::see) with the widest vectors that this machine has; the result is the same.
+    /// [`Levelled::see`](locator::Levelled::see) with the widest SIMD of this machine; the result is the same.
     pub fn see<'l, 'f, 'a>(levelled: Levelled<'l, 'f, 'a>) -> Seen<'l, 'a> {
         levelled.see()
     }
@@ -215,17 +215,17 @@ wide! {
     }
 }
 
-/// What the stages took, and on demand what they considered.
+/// Stage times, and on demand the window candidates.
 #[derive(Debug, Default)]
 pub struct Watch {
     started: Option<Instant>,
     milliseconds: [Option<f64>; STAGES.len()],
-    /// Whether to keep what the windows were chosen among: for pictures.
+    /// Whether to keep the window candidates, to draw them.
     pub keeps_considered: bool,
     considered: Option<Considered>,
 }
 
-/// Stages by name, in their order.
+/// Stage names, in the order of the stages.
 const STAGES: [&str; 6] = ["segments", "up", "windows", "ranges", "locate", "track"];
 
 const fn index(stage: Stage) -> usize {
@@ -239,28 +239,28 @@ const fn index(stage: Stage) -> usize {
     }
 }
 
-/// What the windows of a pair of frames were chosen among.
+/// The candidates from which the windows of a pair of frames were selected.
 #[derive(Debug, Clone)]
 pub struct Considered {
-    /// Brightness ranks of the panorama, row by row from the top, 0 where nothing is known.
+    /// Brightness ranks of the panorama, row by row from the top, 0 where a cell is unobserved.
     pub panorama: Vec<u8>,
-    /// Size of its cells.
+    /// Size of the panorama's cells.
     pub resolution: Resolution,
     /// Pairs of edges that were scored.
     pub boxes: Vec<WindowBox>,
-    /// The edges that those boxes lie between, but for where the view ends.
+    /// The edges that bound those boxes, except the ends of the field of view.
     pub edges: Vec<Edge>,
 }
 
 impl Watch {
-    /// Milliseconds by stage since this was last asked.
+    /// Milliseconds by stage since the last call.
     #[must_use]
     pub fn milliseconds(&mut self) -> BTreeMap<&'static str, f64> {
         let taken = std::mem::take(&mut self.milliseconds);
         STAGES.into_iter().zip(taken).filter_map(|(stage, ms)| Some((stage, ms?))).collect()
     }
 
-    /// What the windows of the last frames were chosen among, if that was to be kept.
+    /// The window candidates of the last frames, if they were kept.
     #[must_use]
     pub fn considered(&mut self) -> Option<Considered> {
         self.considered.take()

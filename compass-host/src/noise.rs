@@ -1,4 +1,4 @@
-//! Disturbing a scan, to try the matching on something less than perfect.
+//! Disturbance of a scan, to test the matching on imperfect queries.
 
 use compass_core::base::num::BINS;
 use compass_core::base::scan::{Hit, MAX_STEPS, Scan};
@@ -7,7 +7,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 
 /// Relative standard deviation of ranges per unit of level.
 pub const RANGE_SHARE: f64 = 0.03;
-/// Share of hit types mistaken per unit of level.
+/// Share of flipped hit types per unit of level.
 pub const HIT_SHARE: f64 = 0.05;
 /// Occluders per unit of level.
 pub const OCCLUDERS: f64 = 2.0;
@@ -19,7 +19,7 @@ pub const OCCLUDERS: f64 = 2.0;
 pub fn disturb(scan: &mut Scan, level: f64, seed: u64) {
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
     for (steps, hit) in scan.steps.iter_mut().zip(&mut scan.hit) {
-        // Twelve uniform numbers: close enough to a Gaussian, and the same on every machine.
+        // The sum of twelve uniform numbers: close to a Gaussian, and the same on every machine.
         let gauss: f64 = (0..12).map(|_| rng.random::<f64>()).sum::<f64>() - 6.0;
         let mistaken = rng.random::<f64>() < HIT_SHARE * level;
         if *hit == Hit::Open {

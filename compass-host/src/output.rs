@@ -1,4 +1,4 @@
-//! Files that appear whole or not at all, and the numbers of machine-readable results.
+//! Files that are written atomically, and the numbers of machine-readable results.
 
 use compass_core::map::site_map::Sink;
 use serde::{Serialize, Serializer};
@@ -10,20 +10,20 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum OutputError {
-    /// The file could not be written; what stood there before stays as it was.
+    /// The file could not be written; a previous file is unchanged.
     #[error("cannot write {}: {source}", path.display())]
     Write {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         source: io::Error,
     },
     /// The image cannot be encoded.
     #[error("{}: cannot be encoded: {source}", path.display())]
     Encode {
-        /// The file that was to hold the image.
+        /// The output file of the image.
         path: PathBuf,
-        /// What the encoder said.
+        /// The encoder's error.
         source: image::ImageError,
     },
     /// The directory could not be created.
@@ -31,14 +31,14 @@ pub enum OutputError {
     Directory {
         /// The directory.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         source: io::Error,
     },
 }
 
 /// A number of the JSON output: a plain decimal of at most six places, never an exponent.
 ///
-/// What is not finite becomes `null`.
+/// Values that are not finite become `null`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Decimal(pub f64);
 
@@ -63,12 +63,12 @@ pub fn decimals(values: impl IntoIterator<Item = f64>) -> Vec<Decimal> {
 /// Writes `bytes` to a new file beside `path` and renames it: the file is whole or absent.
 ///
 /// # Errors
-/// [`OutputError::Write`] names `path`; what stood there before stays as it was.
+/// [`OutputError::Write`] names `path`; a previous file is unchanged.
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
     replace(path, bytes).map_err(|source| OutputError::Write { path: path.to_owned(), source })
 }
 
-/// Writes an image as PNG, whole or not at all.
+/// Writes an image as PNG, atomically.
 ///
 /// # Errors
 /// [`OutputError`] names the file.
@@ -111,12 +111,12 @@ fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
     Ok(())
 }
 
-/// The system's message alone: the error of `tempfile` names a temporary path nobody asked for.
+/// The system's message alone: the error of `tempfile` names a temporary path that the user does not know.
 fn plain(error: &io::Error) -> io::Error {
     error.raw_os_error().map_or_else(|| error.kind().into(), io::Error::from_raw_os_error)
 }
 
-/// Temporary files with the rights of an ordinary new file, not of a secret.
+/// Temporary files with the permissions of an ordinary new file instead of owner-only ones.
 fn builder() -> tempfile::Builder<'static, 'static> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".compass-");

@@ -1,4 +1,4 @@
-//! The paper's window finder with its buffers, on one camera's frame as it is: the baseline.
+//! The paper's window finder with its buffers, on one camera's unrectified frame: the baseline.
 
 use crate::frame::Frame;
 use compass_core::base::raster::RgbImage;
@@ -12,7 +12,7 @@ const MAX_EDGES: usize = 2048;
 const MAX_PROPOSALS: usize = 16_384;
 const MAX_WINDOWS: usize = 256;
 
-/// The finder: made once, used for frames of one size without allocating.
+/// The finder: constructed once, then used for frames of one size without allocating.
 #[derive(Debug)]
 pub struct PaperFinder {
     rows: Vec<Row>,
@@ -40,7 +40,7 @@ impl PaperFinder {
     /// Finds the windows of a frame with these segments.
     ///
     /// # Errors
-    /// [`PaperError::Workspace`] for a frame larger than the buffers are made for.
+    /// [`PaperError::Workspace`] for a frame larger than the buffers.
     pub fn find(&mut self, frame: &Frame, segments: &[Segment]) -> Result<Found, PaperError> {
         let colour = frame.rgb().and_then(|rgb| RgbImage::new(rgb, frame.width(), frame.height()).ok());
         let Self { rows, columns, edges, proposals, windows, found } = self;
@@ -50,7 +50,7 @@ impl PaperFinder {
         Ok(*found)
     }
 
-    /// The windows of the last frame, by falling score.
+    /// The windows of the last frame, by descending score.
     #[must_use]
     pub fn windows(&self) -> &[ImageWindow] {
         &self.windows[..self.found.count]
@@ -62,13 +62,13 @@ impl PaperFinder {
         &self.edges[..self.found.edges]
     }
 
-    /// What was considered as a window.
+    /// The proposals with their verdicts.
     #[must_use]
     pub fn proposals(&self) -> &[Proposal] {
         &self.proposals[..self.found.proposals]
     }
 
-    /// First row of its band and one past the last.
+    /// First row of the searched band, and one past its last.
     #[must_use]
     pub const fn band(&self) -> (u16, u16) {
         self.found.band

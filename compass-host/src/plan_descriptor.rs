@@ -1,4 +1,4 @@
-//! The descriptor of a place of a plan, with the ranges and hit types it is made of.
+//! The descriptor at a pose in a plan, with its ranges and hit types.
 
 use crate::compare::float_levels;
 use crate::reference;
@@ -6,7 +6,7 @@ use compass_core::base::num::BINS;
 use compass_core::base::scan::{Hit, Scan};
 use compass_core::descriptor::{CHANNELS, Descriptor};
 
-/// Range, hit type and channels of one pose; bin j looks along heading + j degrees, counter-clockwise.
+/// Range, hit type and channels of one pose; bin j points along heading + j degrees, counter-clockwise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlanDescriptor {
     /// Range by bin, metres.
@@ -24,9 +24,9 @@ pub struct Stats {
     pub range_min_m: f64,
     /// Longest range, metres.
     pub range_max_m: f64,
-    /// Bins that meet glazing.
+    /// Bins that hit glazing.
     pub window_bins: usize,
-    /// Bins that meet nothing within range.
+    /// Bins without a hit within range.
     pub open_bins: usize,
     /// Runs of equal hit type around the circle, at least 1.
     pub segments: usize,
@@ -35,7 +35,7 @@ pub struct Stats {
 }
 
 impl From<&Scan> for PlanDescriptor {
-    /// By the fixed-point core.
+    /// Computes it with the fixed-point core.
     fn from(scan: &Scan) -> Self {
         Self {
             range_m: scan.steps.map(|s| f64::from(s) * reference::march::STEP_M),
@@ -46,7 +46,7 @@ impl From<&Scan> for PlanDescriptor {
 }
 
 impl From<&reference::Scan> for PlanDescriptor {
-    /// By the float reference.
+    /// Computes it with the float reference.
     fn from(scan: &reference::Scan) -> Self {
         Self { range_m: scan.range_m, hit: scan.hit, channels: reference::descriptor(scan) }
     }

@@ -1,4 +1,4 @@
-//! Progress of work that may take longer than a second, for whoever shows it.
+//! Progress reports of work that may take longer than a second.
 
 /// Receives the progress of work.
 ///
@@ -10,13 +10,13 @@ pub trait Progress: Sync {
     fn begin(&self, total: usize, what: &'static str) -> Box<dyn Steps>;
 }
 
-/// Work under way.
+/// Work in progress.
 pub trait Steps: Send + Sync {
-    /// One more step is done.
+    /// Reports that one more step is done.
     fn step(&self);
 }
 
-/// Shows nothing.
+/// Discards all progress.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Silent;
 

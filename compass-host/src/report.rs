@@ -1,4 +1,4 @@
-//! Reports: one HTML page of key figures and pictures, with nothing to load but the pictures.
+//! Reports: one HTML page of key figures and pictures, without other resources.
 
 use std::path::Path;
 
@@ -25,9 +25,9 @@ pub struct Section {
 /// A table: numbers are aligned to the right.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct Table {
-    /// What the table shows; empty for no caption.
+    /// Caption of the table; may be empty.
     pub caption: String,
-    /// The column headings; empty for a table without.
+    /// The column headings; may be empty.
     pub head: Vec<String>,
     /// The cells, row by row.
     pub rows: Vec<Vec<String>>,
@@ -47,15 +47,15 @@ impl Table {
 pub struct Picture {
     /// File name relative to the report.
     pub file: String,
-    /// What the picture shows: caption and alternative text.
+    /// Caption and alternative text.
     pub caption: String,
 }
 
 const PAGE: &str = include_str!("report.html");
 
-/// Writes a report as one HTML file, which appears only when it is complete.
+/// Writes a report as one HTML file, atomically.
 ///
-/// All text is escaped; nothing in it can be mark-up.
+/// All text is escaped and cannot contain mark-up.
 ///
 /// # Errors
 /// [`FigureError::Write`] when the file cannot be written.
@@ -67,7 +67,7 @@ pub fn write_html(path: &Path, title: &str, sections: &[Section]) -> Result<(), 
 
 fn render(title: &str, sections: &[Section]) -> Result<String, minijinja::Error> {
     let mut environment = Environment::new();
-    // The name's extension switches HTML escaping on.
+    // The extension of the template's name enables HTML escaping.
     environment.add_template("report.html", PAGE)?;
     environment.add_filter("is_number", |text: &str| is_number(text));
     environment.add_filter("file_url", |name: &str| Value::from_safe_string(file_url(name)));
@@ -81,7 +81,7 @@ fn is_number(text: &str) -> bool {
     digits.starts_with(|c: char| c.is_ascii_digit())
 }
 
-/// A relative file name as the address of a picture: `#`, `?` and the like lose their meaning, and no mark-up is left.
+/// A relative file name as a URL: `#`, `?` and the like are encoded, and mark-up is escaped.
 fn file_url(name: &str) -> String {
     let mut url = String::new();
     for byte in name.replace('\\', "/").bytes() {

@@ -4,7 +4,7 @@
 //! 30 m x 20 m with a corridor loop around a structural core, cellular rooms on the south, west and
 //! north facades, an open-plan area in the east and one facade corner at 45 degrees. It has no
 //! global symmetry. Rooms S2 and S3 are alike in shape, door and surroundings and differ only in
-//! their windows: without the glazing class they are easily taken for each other.
+//! windows: without the glazing class they are easily confused.
 //!
 //! # Formats
 //! The tables are in metres from the outer south-west corner of the building. Masks and
@@ -19,7 +19,7 @@ pub const RESOLUTION_M: f64 = 0.01;
 /// White border around the building in metres.
 pub const MARGIN_M: f64 = 1.0;
 
-/// A free pose in room S3 which sees the window bay and, through the doorway, the corridor.
+/// A free pose in room S3, with the window bay and, through the doorway, the corridor in view.
 ///
 /// `[x, y]` in metres from the bottom-left corner of the image, then the heading in degrees,
 /// counter-clockwise from east.

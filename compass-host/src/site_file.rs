@@ -1,4 +1,4 @@
-//! Site files in memory: read and checked as a whole, made from floors.
+//! Site files in memory: read and checked as a whole, or made from floors.
 
 use crate::output::Bytes;
 use crate::plan_import::PlanRaster;
@@ -18,23 +18,23 @@ pub enum SiteFileError {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         source: std::io::Error,
     },
-    /// The file is no site file.
+    /// The file is not a valid site file.
     #[error("{}: {source}", path.display())]
     Site {
         /// The file.
         path: PathBuf,
-        /// The field that is wrong.
+        /// The invalid field.
         source: SiteError,
     },
-    /// The file is no plain site map.
+    /// The file is not a valid plain site map.
     #[error("{}: {source}", path.display())]
     Map {
         /// The file.
         path: PathBuf,
-        /// The field that is wrong.
+        /// The invalid field.
         source: SiteMapError,
     },
 }
@@ -46,10 +46,10 @@ pub enum FloorBuildError {
     /// The site map could not be built.
     #[error(transparent)]
     Build(#[from] BuildError),
-    /// The map that was built is not valid.
+    /// The built map is not valid.
     #[error(transparent)]
     Map(#[from] SiteMapError),
-    /// No floor can have this name, or map and plans do not fit each other.
+    /// The name is not allowed, or map and plans do not match each other.
     #[error(transparent)]
     Floor(#[from] FloorError),
     /// The floor does not fit into a site file.
@@ -57,7 +57,7 @@ pub enum FloorBuildError {
     Site(#[from] SiteError),
 }
 
-/// The bytes of a site file, or of a plain site map, which counts as one floor without name and plan.
+/// The bytes of a site file, or of a plain site map, which counts as one floor without name or plan.
 #[derive(Debug, Clone)]
 pub struct SiteFile {
     bytes: Vec<u8>,
@@ -66,17 +66,17 @@ pub struct SiteFile {
 /// A floor of a file.
 #[derive(Debug, Clone, Copy)]
 pub struct SiteFloor<'a> {
-    /// Its candidates.
+    /// The site map with its candidates.
     pub map: SiteMap<'a>,
-    /// All of it; a plain site map is none.
+    /// The whole floor; `None` for a plain site map.
     pub floor: Option<Floor<'a>>,
 }
 
 impl SiteFile {
-    /// Reads a file and compares all its checksums.
+    /// Reads a file and verifies all its checksums.
     ///
     /// # Errors
-    /// Names the file and the field that is wrong.
+    /// Names the file and the invalid field.
     pub fn read(path: &Path) -> Result<Self, SiteFileError> {
         let named = || path.to_path_buf();
         let bytes = std::fs::read(path).map_err(|source| SiteFileError::Read { path: named(), source })?;
@@ -90,7 +90,7 @@ impl SiteFile {
         Ok(Self { bytes })
     }
 
-    /// The file as it is.
+    /// The bytes of the file.
     #[must_use]
     pub fn as_bytes(&self) -> &[u8] {
         &self.bytes
@@ -111,27 +111,27 @@ impl SiteFile {
 }
 
 impl<'a> SiteFloor<'a> {
-    /// Its name, where it has one.
+    /// The name of the floor; a plain site map has none.
     #[must_use]
     pub fn name(&self) -> Option<&'a str> {
         self.floor.map(|floor| floor.name())
     }
 }
 
-/// A site file of these floors.
+/// The site file of these floors.
 ///
 /// # Errors
-/// [`SiteError`]: no floor or too many, two of one name, or more bytes than the format can count.
+/// [`SiteError`]: no floor, too many, two with one name, or more bytes than the format can count.
 pub fn site_bytes(floors: &[Floor<'_>]) -> Result<Vec<u8>, SiteError> {
     let writer = Writer::new(floors)?;
     let Ok(Bytes(bytes)) = writer.write(Bytes(Vec::with_capacity(writer.site_bytes())));
     Ok(bytes)
 }
 
-/// Builds the site file of one floor: its site map, its plan, and its structure as layer 1 where it is given.
+/// Builds the site file of one floor: its site map, its plan, and, if given, its structure as layer 1.
 ///
 /// # Errors
-/// As [`crate::site::build`]; and a name that no floor can have.
+/// As [`crate::site::build`]; also a name that is not allowed.
 pub fn floor_bytes(
     name: &str,
     raster: &PlanRaster,
@@ -142,7 +142,7 @@ pub fn floor_bytes(
     floor_bytes_with_progress(name, raster, plan, structure, options, &Silent)
 }
 
-/// [`floor_bytes`], showing its progress.
+/// [`floor_bytes`] with progress reports.
 ///
 /// # Errors
 /// As [`floor_bytes`].

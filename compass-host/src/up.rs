@@ -1,4 +1,4 @@
-//! Which way is up, by the image, by an accelerometer, or by both.
+//! The up vector of a pair of frames: from the image, from an accelerometer, or from both.
 
 use crate::dataset::imu::Gravity;
 use crate::locator::{SeeError, Segmented, sky_is_above};
@@ -6,23 +6,23 @@ use compass_core::vision::attitude::{UpHint, Vertical};
 use compass_core::vision::camera::Bearing;
 use serde::{Deserialize, Serialize};
 
-/// Largest angle between the up vectors of image and IMU that are both right, degrees.
+/// Largest angle between the up vectors of image and IMU at which they agree, degrees.
 const AGREEING_DEG: f64 = 10.0;
 
 /// How cam0 is mounted: which side of its image is up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Mount {
-    /// Told from the windows: the sky is brighter than the ground.
+    /// Inferred from the windows: the sky is brighter than the ground.
     #[default]
     Auto,
-    /// The top.
+    /// The top of the image is up.
     Upright,
-    /// The bottom.
+    /// The bottom of the image is up.
     Inverted,
 }
 
 impl Mount {
-    /// Roughly up in the axes of cam0, unless it is to be told from the windows.
+    /// Approximate up vector in the axes of cam0; `None` if it is to be inferred from the windows.
     #[must_use]
     pub fn top(self) -> Option<Bearing> {
         let top = Bearing::new(0.0, -1.0, 0.0);
@@ -33,7 +33,7 @@ impl Mount {
         }
     }
 
-    /// The vertical of frames, near the vertical of cam0's image.
+    /// The up vector of frames, searched near the vertical axis of cam0's image.
     ///
     /// # Errors
     /// [`SeeError::NoVertical`] if too few segments agree; [`SeeError::NoSky`].
@@ -46,7 +46,7 @@ impl Mount {
     }
 }
 
-/// What tells up.
+/// The source of an up vector.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum UpFrom {
@@ -60,7 +60,7 @@ pub enum UpFrom {
 }
 
 impl UpFrom {
-    /// As it is written.
+    /// The name used in results.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -71,19 +71,19 @@ impl UpFrom {
     }
 }
 
-/// What is to tell up.
+/// How to determine the up vector.
 #[derive(Debug, Clone, Copy)]
 pub struct UpSources {
-    /// Which of the two.
+    /// Image, IMU or both.
     pub from: UpFrom,
     /// Which side of cam0's image is up; the IMU overrules it.
     pub mount: Mount,
-    /// What the IMU says, in the axes of cam0; without it the image tells.
+    /// The IMU's up vector in the axes of cam0; without it the image decides.
     pub imu: Option<Gravity>,
 }
 
 impl UpSources {
-    /// Roughly up in cam0, as far as that is told without looking.
+    /// Approximate up vector in cam0, as far as it is known without the image.
     #[must_use]
     pub fn hint(&self) -> Option<Bearing> {
         match (self.from, self.imu) {
@@ -92,16 +92,16 @@ impl UpSources {
         }
     }
 
-    /// The up vector in cam0 of frames, and what it is from.
+    /// The up vector in cam0 of frames, and its source.
     ///
     /// # Errors
-    /// [`SeeError::Disagreement`] of image and IMU; where the image alone counts, as [`Mount::vertical`].
+    /// [`SeeError::Disagreement`] of image and IMU; from the image alone, as [`Mount::vertical`].
     pub fn resolve(&self, segmented: &mut Segmented<'_, '_, '_>) -> Result<(Bearing, UpFrom), SeeError> {
         match (self.from, self.imu) {
             (UpFrom::Imu, Some(gravity)) => Ok((gravity.up.cast(), UpFrom::Imu)),
             (UpFrom::Both, Some(gravity)) => match self.vertical(segmented) {
                 Ok(vertical) => self.check(&vertical).map(|()| (vertical.up, UpFrom::Both)),
-                // Where nothing upright is in view, gravity still is.
+                // Without vertical lines in view, gravity still gives the up vector.
                 Err(SeeError::NoVertical) => Ok((gravity.up.cast(), UpFrom::Imu)),
                 Err(error) => Err(error),
             },
@@ -109,7 +109,7 @@ impl UpSources {
         }
     }
 
-    /// What the image says, near where the IMU does if it is asked.
+    /// The image's up vector, searched near the IMU's if both are used.
     ///
     /// # Errors
     /// As [`Mount::vertical`].
@@ -120,7 +120,7 @@ impl UpSources {
         }
     }
 
-    /// Degrees between what image and IMU say.
+    /// The angle between the up vectors of image and IMU, degrees.
     #[must_use]
     pub fn apart_deg(&self, vertical: &Vertical) -> Option<f64> {
         let imu = self.imu?.up;
@@ -128,7 +128,7 @@ impl UpSources {
         Some(imu.cross(&image).norm().atan2(imu.dot(&image)).to_degrees())
     }
 
-    /// Refuses an up vector that image and IMU disagree on, where both are asked.
+    /// Refuses an up vector on which image and IMU disagree, if both are used.
     ///
     /// # Errors
     /// [`SeeError::Disagreement`].
@@ -139,8 +139,8 @@ impl UpSources {
     }
 }
 
-/// The vertical that the image has near this direction, or if there is none, near its own top or bottom: so that an IMU
-/// that is wrong by much is found out.
+/// The image's vertical near this direction, or else near the image's own top or bottom, so that a grossly wrong IMU
+/// is detected.
 fn near(segmented: &mut Segmented<'_, '_, '_>, up: Bearing) -> Result<Vertical, SeeError> {
     segmented.vertical(UpHint::Up(up)).map_err(SeeError::from).or_else(|_| {
         let mut vertical = segmented.vertical(UpHint::Axis(Bearing::y()))?;

@@ -10,7 +10,8 @@ use compass_core::vision::boundary::{RangeEstimate, RangeLikelihoods};
 use compass_core::vision::visual_scan;
 use compass_core::vision::windows::WindowEvidence;
 
-/// Height of a room, metres, from which the height of the camera follows when it is not given: usual in offices and flats.
+/// Assumed height of a room, metres, from which the camera height follows when it is not given: typical of offices and
+/// flats.
 pub const ROOM_M: f32 = 2.75;
 
 /// Height of cam0 above the floor, and that of the ceiling, metres.
@@ -20,12 +21,12 @@ pub struct Height {
     pub camera_m: f32,
     /// Height of the ceiling, metres.
     pub ceiling_m: f32,
-    /// Whether the height of the camera was given; else the room is assumed to be [`ROOM_M`] high.
+    /// Whether the camera height was given; else the room is assumed to be [`ROOM_M`] high.
     pub given: bool,
 }
 
 impl Height {
-    /// The height given, or the one that makes a room of [`ROOM_M`], bounded by [`HEIGHTS_M`].
+    /// The given height, or the one for which the room is [`ROOM_M`] high, clamped to [`HEIGHTS_M`].
     #[must_use]
     pub fn new(given_m: Option<f32>, ranges: &RangeLikelihoods) -> Self {
         let whole = 1.0 + ranges.ceiling_ratio();
@@ -33,13 +34,13 @@ impl Height {
         Self { camera_m, ceiling_m: camera_m * whole, given: given_m.is_some() }
     }
 
-    /// In rungs of range, rounded.
+    /// The height in rungs of range, rounded.
     #[must_use]
     pub fn rungs(&self) -> i8 {
         height_rungs(self.camera_m)
     }
 
-    /// The height over that of [`Self::rungs`].
+    /// The ratio of the height to that of [`Self::rungs`].
     fn rest(&self) -> f32 {
         self.camera_m / height_m(self.rungs())
     }
@@ -50,18 +51,18 @@ impl Height {
 pub struct VisualDescriptor {
     /// The heights that the ranges depend on.
     pub height: Height,
-    /// Likeliest range in metres and its confidence; `None` where neither floor nor ceiling was seen.
+    /// Likeliest range in metres and its confidence; `None` where neither floor nor ceiling was observed.
     pub ranges: [Option<RangeEstimate>; BINS],
-    /// Hit type; `None` where neither camera sees, or safety gear hides it.
+    /// Hit type; `None` out of view of both cameras, or behind safety gear.
     pub hit: [Option<Hit>; BINS],
-    /// Both as the paper's descriptor is made of them: unknown ranges are those of the nearest direction.
+    /// The input of the paper's descriptor: unknown ranges are those of the nearest direction.
     pub scan: Scan,
     /// Confidence of the bins of `scan`.
     pub confidence: Confidence,
 }
 
 impl VisualDescriptor {
-    /// Of what was seen in one pair of frames.
+    /// The descriptor of one pair of frames.
     #[must_use]
     pub fn of(seen: &mut Seen<'_, '_>, known: HeightPrior) -> Self {
         let windows = seen.window_evidence().clone();
@@ -69,15 +70,16 @@ impl VisualDescriptor {
         Self::new(ranges, &windows, known.camera_m())
     }
 
-    /// From what was measured and seen in one pair of frames; `height_m` is that of cam0 above the floor, if known.
+    /// The descriptor from the evidence of one pair of frames; `height_m` is the height of cam0 above the floor, if
+    /// known.
     #[must_use]
-    pub fn new(ranges: &RangeLikelihoods, sighting: &WindowEvidence, height_m: Option<f32>) -> Self {
+    pub fn new(ranges: &RangeLikelihoods, windows: &WindowEvidence, height_m: Option<f32>) -> Self {
         let height = Height::new(height_m, ranges);
         let (rungs, rest) = (height.rungs(), height.rest());
-        let (scan, confidence) = visual_scan::scan(ranges, rungs, sighting);
-        // The core counts heights in rungs; what that rounds off is known here.
+        let (scan, confidence) = visual_scan::scan(ranges, rungs, windows);
+        // The core counts heights in rungs; the ratio corrects its rounding.
         let exact = |range: RangeEstimate| RangeEstimate { metres: range.metres * rest, ..range };
-        let known = sighting.confidence.sixteenths();
+        let known = windows.confidence.sixteenths();
         Self {
             height,
             ranges: std::array::from_fn(|bin| ranges.range(bin, rungs).map(exact)),

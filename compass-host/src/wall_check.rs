@@ -1,7 +1,7 @@
-//! Which walls of a plan stand, by the evidence of frames at known poses.
+//! Checks which walls of a plan exist, by the evidence of frames at known poses.
 //!
-//! Rays are cast in the plan as drawn; the evidence of the frame is [compared](compare) with the wall that each ray
-//! meets. Log-likelihood ratios are collected on tiles of the map: a tile adds the mean of each frame.
+//! Rays are cast in the plan as drawn; the evidence of the frame is [compared](compare) with the wall hit by each ray.
+//! Log-likelihood ratios are accumulated on tiles of the map: each frame adds its mean to a tile.
 
 use crate::output::{Decimal, OutputError, write_file};
 use compass_core::base::num::Nats;
@@ -17,7 +17,7 @@ use std::path::Path;
 
 /// Side of a tile, metres.
 pub const TILE_M: f64 = 0.2;
-/// Walls farther away meet too few rays, metres.
+/// Largest distance of a wall, metres: farther ones are hit by too few rays.
 const FARTHEST_M: f64 = 12.0;
 /// Log-likelihood ratio from which a tile has a verdict, nats.
 const DECISIVE_NATS: f64 = 3.0;
@@ -25,18 +25,18 @@ const DECISIVE_NATS: f64 = 3.0;
 /// The evidence on a tile.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Tile {
-    /// Log-likelihood ratio of the wall being there to it being absent, nats.
+    /// Log-likelihood ratio of the wall being present to it being absent, nats.
     pub nats: f64,
-    /// Frames that saw it.
+    /// Number of frames that observed it.
     pub frames: u32,
 }
 
 /// The verdict on a tile.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
-    /// The wall is there.
+    /// The wall is present.
     Stands,
-    /// The cameras see through it.
+    /// The cameras see through it: it is absent.
     Absent,
     /// The evidence does not decide.
     Unclear,
@@ -81,7 +81,7 @@ impl WallSummary {
 /// The evidence on the walls of one floor.
 #[derive(Debug, Clone, Default)]
 pub struct Walls {
-    /// By tile: column and row of the map from its origin.
+    /// The evidence by tile: column and row of the map from its origin.
     tiles: BTreeMap<[i32; 2], Tile>,
     /// Positions of the frames, metres.
     seen_from: Vec<[f64; 2]>,

@@ -1,11 +1,11 @@
-//! One door to the widest vectors of the machine.
+//! Run-time selection of the widest SIMD of the machine.
 //!
-//! The core is plain Rust, and its results do not depend on the vectors it is compiled for: its integers are exact,
-//! and the compiler neither reorders nor fuses its floats. So the host may compile the same code twice.
+//! The core is plain Rust, and its results do not depend on the vector instructions it is compiled for: integers are
+//! exact, and the compiler neither reorders nor fuses float operations. So the host may compile the same code twice.
 
-/// Defines functions that are compiled twice, for any machine and for one with AVX2, and choose when called.
+/// Defines functions that are compiled twice, for any machine and for one with AVX2, and dispatched at run time.
 ///
-/// What the body calls is compiled along only where it is inlined into it: `#[inline(always)]` down to the hot loops.
+/// A callee gets AVX2 only where it is inlined into the body: `#[inline(always)]` down to the hot loops.
 macro_rules! wide {
     ($($(#[$meta:meta])* $vis:vis fn $name:ident $(<$($life:lifetime),+>)? (
         $($argument:ident: $type:ty),* $(,)?
@@ -17,7 +17,7 @@ macro_rules! wide {
                 #[target_feature(enable = "avx2")]
                 fn wide $(<$($life),+>)? ($($argument: $type),*) $(-> $result)? $body
                 if std::arch::is_x86_feature_detected!("avx2") {
-                    // SAFETY: the function is safe but for needing AVX2, and the machine has it.
+                    // SAFETY: the function is safe except that it needs AVX2, and the machine has it.
                     return unsafe { wide($($argument),*) };
                 }
             }

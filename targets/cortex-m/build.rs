@@ -1,4 +1,4 @@
-//! Hands the memory map of the board named by `COMPASS_BOARD` to the linker script of cortex-m-rt.
+//! Passes the memory map of the board named by `COMPASS_BOARD` to the linker script of cortex-m-rt.
 
 use std::{env, fs, path::PathBuf};
 

@@ -1,4 +1,4 @@
-//! ROS 2 bags for tests, written as rosbag2 writes them.
+//! ROS 2 bags for tests, in the format of rosbag2.
 
 use byteorder::LittleEndian;
 use mcap::records::MessageHeader;
@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 use std::fs::File;
 use std::path::Path;
 
-/// How a bag is stored.
+/// The storage of a bag.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Layout {
     /// `SQLite`.
@@ -19,7 +19,7 @@ pub enum Layout {
     SqlitePackedMessages,
     /// MCAP without chunks.
     McapPlain,
-    /// MCAP with chunks as they are.
+    /// MCAP with uncompressed chunks.
     McapChunks,
     /// MCAP with chunks compressed by zstd.
     McapZstd,
@@ -30,7 +30,7 @@ pub enum Layout {
 }
 
 impl Layout {
-    /// All of them.
+    /// All storages.
     pub const ALL: [Self; 8] = [
         Self::Sqlite,
         Self::SqlitePackedFiles,
@@ -61,16 +61,16 @@ impl Layout {
     }
 }
 
-/// A topic and its messages, which are CDR.
+/// A topic and its messages in CDR.
 #[derive(Debug, Clone)]
 struct Topic {
     name: String,
     kind: &'static str,
-    /// By the time of their recording, nanoseconds.
+    /// Messages by recording time, nanoseconds.
     messages: BTreeMap<u64, Vec<u8>>,
 }
 
-/// A bag in the making.
+/// A bag under construction.
 #[derive(Debug, Clone, Default)]
 pub struct Bag {
     topics: Vec<Topic>,
@@ -83,14 +83,14 @@ impl Bag {
         Self::default()
     }
 
-    /// Adds a topic of a type such as `sensor_msgs/msg/Imu`, and returns its number.
+    /// Adds a topic of a type such as `sensor_msgs/msg/Imu`, and returns its index.
     pub fn topic(&mut self, name: &str, kind: &'static str) -> usize {
         self.topics.push(Topic { name: name.into(), kind, messages: BTreeMap::new() });
         self.topics.len() - 1
     }
 
-    /// Adds a message of a topic with the header's stamp and what follows the header. It is recorded a little later
-    /// than stamped.
+    /// Adds a message of a topic: a header with the stamp, then `body`. Its recording time is a little later than the
+    /// stamp.
     ///
     /// # Panics
     /// When it cannot be encoded.
@@ -102,7 +102,7 @@ impl Bag {
         self.push_raw(topic, recorded, [&[0, 1, 0, 0][..], &body].concat());
     }
 
-    /// Adds a message as it is.
+    /// Adds a message without changes.
     pub fn push_raw(&mut self, topic: usize, recorded_ns: u64, message: Vec<u8>) {
         self.topics[topic].messages.insert(recorded_ns, message);
     }
@@ -130,7 +130,7 @@ impl Bag {
         self.push(topic, stamp_ns, &([0.0; 4], [0.0; 9], [0.0; 3], [0.0; 9], acceleration, [0.0; 9]));
     }
 
-    /// Writes the bag into a folder, which is made: two files, of which the second begins half way through.
+    /// Writes the bag into a folder, which is created: two files, the second of which begins half way through.
     ///
     /// # Panics
     /// When it cannot be written.
@@ -194,7 +194,7 @@ impl Bag {
         };
         let options =
             mcap::WriteOptions::new().compression(compression).use_chunks(layout != Layout::McapPlain);
-        // Some messages to a chunk.
+        // Several messages per chunk.
         let options = options.chunk_size(Some(2000)).profile("ros2");
         let mut writer = options.create(File::create(path).expect("file is made")).expect("file is begun");
         let channel = |topic: &Topic| {

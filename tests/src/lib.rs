@@ -25,7 +25,7 @@ pub const POSE: &str = "--at 13.37,3.68 --heading 74";
 /// would be in its own package.
 ///
 /// # Panics
-/// When it cannot be built.
+/// When the build fails.
 pub fn compass() -> &'static Path {
     static BINARY: OnceLock<PathBuf> = OnceLock::new();
     BINARY.get_or_init(|| {
@@ -88,11 +88,11 @@ pub fn sample_site() -> &'static [u8] {
     })
 }
 
-/// What the rig of [`Calibration::nominal`] sees in the sample building, with clutter and people about: the frames of
-/// cam0 and cam1.
+/// The frames of cam0 and cam1 of the rig of [`Calibration::nominal`], rendered in the sample building with clutter
+/// and people.
 ///
 /// # Panics
-/// When `size` is not of the shape of the calibrated frames, 736 x 720.
+/// When `size` has another aspect ratio than the calibrated frames, 736 x 720.
 #[must_use]
 pub fn sample_frames(pose: &Pose, size: (u32, u32)) -> [RgbImage; 2] {
     static SCENE: OnceLock<Scene> = OnceLock::new();
@@ -102,7 +102,7 @@ pub fn sample_frames(pose: &Pose, size: (u32, u32)) -> [RgbImage; 2] {
     Renderer::new(scene, &rig, None).render(pose).map(|frame| frame.expect("the rig has two cameras"))
 }
 
-/// Where the recordings lie; says so when a test has to do without.
+/// The folder of the recordings; prints a note when a test is skipped without it.
 pub fn recordings(test: &str) -> Option<PathBuf> {
     let folder = std::env::var_os("COMPASS_DATA").map(PathBuf::from);
     if folder.is_none() {
@@ -116,7 +116,7 @@ pub fn recordings(test: &str) -> Option<PathBuf> {
 #[derive(Debug)]
 pub struct Folder(tempfile::TempDir);
 
-/// What a run of `compass` came to.
+/// The outcome of a run of `compass`.
 #[derive(Debug)]
 pub struct Ran {
     /// Exit status; `None` when it was killed.
@@ -128,7 +128,7 @@ pub struct Ran {
 }
 
 impl Folder {
-    /// A folder with the three files.
+    /// Creates a folder with the three files.
     ///
     /// # Panics
     /// When they cannot be written.
@@ -170,7 +170,7 @@ impl Folder {
         std::fs::read(self.path(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
     }
 
-    /// Writes `rig.yaml`, the calibration of [`sample_frames`], and such frames as `cam0.png` and `cam1.png`; returns
+    /// Writes `rig.yaml`, the calibration of [`sample_frames`], and its frames as `cam0.png` and `cam1.png`; returns
     /// the options that name the three.
     ///
     /// # Panics
@@ -197,7 +197,7 @@ impl Folder {
         Ran { status: output.status.code(), stdout: text(output.stdout), stderr: text(output.stderr) }
     }
 
-    /// Runs `compass` with `--json -` and returns what it wrote to standard output, which must be JSON alone.
+    /// Runs `compass` with `--json -` and returns its standard output, which must be JSON alone.
     ///
     /// # Panics
     /// When it fails, warns, or writes anything else.
@@ -232,19 +232,19 @@ impl Default for Folder {
     }
 }
 
-/// The number of a JSON value.
+/// A JSON value as a number.
 ///
 /// # Panics
-/// When it is none.
+/// When it is not a number.
 #[must_use]
 pub fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
 }
 
-/// The numbers of a JSON array.
+/// A JSON array as numbers.
 ///
 /// # Panics
-/// When it is no array of numbers.
+/// When it is not an array of numbers.
 #[must_use]
 pub fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().unwrap_or_else(|| panic!("{value} is no array")).iter().map(number).collect()

@@ -1,5 +1,5 @@
-//! Bad input, from end to end: exit status 2, one line on standard error that names the thing, nothing
-//! left behind.
+//! Bad input, from end to end: exit status 2, one line on standard error that names the fault, and no files left
+//! behind.
 
 use compass_core::map::site::Site;
 use compass_core::map::site_map::SiteMap;
@@ -10,8 +10,8 @@ use image::{GrayImage, Luma};
 
 const LOCALIZE: &str = "localize --from-plan sample.png --at 13.37,3.68 --heading 74 --map";
 
-/// Runs `line`, which must be refused for a reason that contains all of `named`, and must leave the folder as
-/// it was.
+/// Runs `line`, which must be rejected with a reason that contains all of `named`, and must leave the folder
+/// unchanged.
 fn refused(folder: &Folder, line: &str, named: &[&str]) {
     let (ran, left) = run(folder, line);
     assert!(left.is_empty(), "{line}: left {left:?}");
@@ -29,7 +29,7 @@ fn assert_refused(ran: &Ran, line: &str, named: &[&str]) {
     }
 }
 
-/// Runs `line`, which the command line parser must refuse; it may take several lines to say so.
+/// Runs `line`, which the command line parser must reject; its message may have several lines.
 fn misused(folder: &Folder, line: &str, named: &str) {
     let (Ran { status, stdout, stderr }, left) = run(folder, line);
     assert_eq!((status, stdout.as_str()), (Some(2), ""), "{line}: {stderr}");
@@ -112,7 +112,7 @@ fn images_without_a_plan_in_them() {
     }
     refused(&folder, "describe pale.png --at 1,1", &["pale.png", "no walls"]);
     refused(&folder, "map build pale.png --out new.map", &["pale.png", "no walls"]);
-    // A wall alone can be looked at, but encloses nothing.
+    // A single wall is valid input, but encloses nothing.
     assert_eq!(folder.run("describe line.png --at 1,1").status, Some(0));
     refused(&folder, "map build line.png --out new.map", &["line.png"]);
     refused(&folder, "compare line.png", &["line.png"]);
@@ -173,7 +173,7 @@ fn positions_where_nobody_can_stand() {
             &["position", "outside"],
         );
     }
-    // In the facade: the building begins a metre inside the image.
+    // In the facade: the building begins 1 m inside the image.
     for engine in ["fixed", "float"] {
         let line = format!("describe sample.png --at 1.2,1.2 --engine {engine} --figures pictures");
         refused(&folder, &line, &["sample.png", "1.2,1.2", "inside a wall"]);
@@ -231,7 +231,7 @@ fn crc32(bytes: &[u8]) -> u32 {
     })
 }
 
-/// Changes the header of a map and makes both checksums right again.
+/// Changes the header of a map and updates both checksums.
 fn with_header(change: impl FnOnce(&mut [u8])) -> Vec<u8> {
     let mut bytes = sample_map().to_vec();
     change(&mut bytes[..52]);
@@ -296,7 +296,7 @@ fn maps_with_one_byte_flipped() {
     for (number, at) in places.enumerate() {
         for flip in [0xff, 1 << (number % 8)] {
             map[at] ^= flip;
-            // What is read in place must be refused as well as what is read from a file.
+            // Data used in place must be rejected as well as data read from a file.
             assert!(SiteMap::new(&map).and_then(|m| m.verify()).is_err(), "byte {at} ^ {flip:#x}");
             if flip == 0xff {
                 folder.write("flipped.map", &map);
@@ -313,7 +313,7 @@ fn maps_with_one_byte_flipped() {
     assert!(map == sample_map());
 }
 
-/// What every command that reads a site says of one that is damaged.
+/// The message of every command that reads a site for a damaged one.
 fn refused_by_all(folder: &Folder, file: &str, field: &str) {
     refused(folder, &format!("map info {file}"), &[&format!("{file}: "), field]);
     refused(folder, &format!("{LOCALIZE} {file}"), &[&format!("{file}: "), field]);
@@ -367,7 +367,7 @@ fn sites_that_cannot_be_joined() {
     refused(&folder, "map join sample.site sample.map --out new.site", &["sample.map: ", "no plan"]);
     refused(&folder, "map join sample.site missing.site --out new.site", &["missing.site"]);
     refused(&folder, "map join sample.site sample.png --out new.site", &["sample.png: ", "not a site map"]);
-    // What is there stays.
+    // The existing file is unchanged.
     refused(&folder, "map join sample.site other.site --out other.site", &named);
     assert!(folder.read("other.site") == sample_site());
 }
@@ -377,7 +377,7 @@ fn outputs_that_cannot_be_written() {
     let folder = Folder::new();
     folder.write("file", b"kept");
     std::fs::create_dir(folder.path("folder")).unwrap();
-    // Below a file, in a folder that is not there, over a folder.
+    // Below a file, in a missing folder, over a folder.
     for target in ["file/result", "no/result", "folder"] {
         for command in [
             format!("describe sample.png {POSE}"),
@@ -396,7 +396,7 @@ fn outputs_that_cannot_be_written() {
     }
     assert_eq!(folder.read("file"), b"kept");
 
-    // A map that is there stays as it is when a new one cannot be made.
+    // An existing map is unchanged when a new one cannot be made.
     draw(&folder, "line.png", |x, y| y == 300 && (100..700).contains(&x));
     refused(&folder, "map build line.png --out sample.map", &["line.png"]);
     assert!(folder.read("sample.map") == sample_map());

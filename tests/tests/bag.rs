@@ -1,4 +1,4 @@
-//! ROS 2 bags as recordings: every way to store them, and what is wrong with one.
+//! ROS 2 bags as recordings: every storage, and malformed bags.
 
 use compass_host::calibration::{Calibration, NOMINAL_YAML};
 use compass_host::dataset::recording::{Recording, Topics};
@@ -14,7 +14,7 @@ const IMU: &str = "sensor_msgs/msg/Imu";
 /// Size of the small images.
 const SIZE: (u32, u32) = (40, 30);
 
-/// The colours of a small image, no two images alike.
+/// The pixels of a small image, different for every image.
 fn colours(camera: u8, frame: u8) -> Vec<u8> {
     (0..SIZE.0 * SIZE.1 * 3).map(|n| (n % 251) as u8 ^ (16 * frame + camera)).collect()
 }
@@ -23,7 +23,7 @@ fn stamp(camera: u8, frame: u8) -> u64 {
     3_000_000_000 + 100_000_000 * u64::from(frame) + 1_000_000 * u64::from(camera)
 }
 
-/// Five pairs of small images and an IMU that lies on its side, beside a topic that is none of ours.
+/// Five pairs of small images and an IMU lying on its side, beside an unrelated topic.
 fn small() -> Bag {
     let mut bag = Bag::new();
     let other = bag.topic("/tf", "tf2_msgs/msg/TFMessage");
@@ -65,7 +65,7 @@ fn all_ways_of_storing_read_alike() {
         assert_eq!(recording.shots.len(), 5, "{layout:?}");
         let gravity = recording.imu.as_ref().unwrap().gravity(None).unwrap();
         assert_eq!((gravity.samples, gravity.up.x > 0.99), (5, true), "{layout:?}");
-        // Not in their order, as several threads would.
+        // Out of order, as with several threads.
         for (frame, shot) in (0..5_u8).zip(&recording.shots).rev() {
             assert_eq!(shot.timestamp_ns, stamp(0, frame), "the header's time, not the recorder's");
             for (camera, image) in (0..2_u8).zip(&shot.images) {
@@ -99,7 +99,7 @@ fn topics_are_those_asked_for() {
     assert!(asked("/middle").unwrap_err().contains("no topic /middle; there are /tf (tf2_msgs"));
 }
 
-/// A bag is written in each layout, `spoil`ed, and refused with all of `named`.
+/// A bag is written in each storage, modified by `spoil`, and rejected with all of `named`.
 fn refused(bag: &Bag, layouts: &[Layout], spoil: impl Fn(&Path), named: &[&str]) {
     for layout in layouts {
         let folder = tempfile::tempdir().unwrap();
@@ -118,7 +118,7 @@ fn refused(bag: &Bag, layouts: &[Layout], spoil: impl Fn(&Path), named: &[&str])
     }
 }
 
-/// The first file of the storage in a folder.
+/// The first storage file in a folder.
 fn first(folder: &Path) -> std::path::PathBuf {
     let files = std::fs::read_dir(folder).unwrap().flatten().map(|entry| entry.path());
     files.filter(|path| path.to_string_lossy().contains("bag_0")).min().unwrap()
@@ -141,7 +141,7 @@ fn damaged_files_are_named() {
         |folder| std::fs::remove_file(first(folder)).unwrap(),
         &["bag_0.", "cannot be read"],
     );
-    // A byte in the middle of a chunk: its checksum tells.
+    // A byte in the middle of a chunk: its checksum reveals it.
     let flipped = |folder: &Path| {
         let mut bytes = std::fs::read(first(folder)).unwrap();
         let middle = bytes.len() / 3;
@@ -211,7 +211,7 @@ fn bad_messages_are_named() {
     }
 }
 
-/// A folder with two frames of the sample building in `set`, with an IMU that lies as cam0 does, and its calibration.
+/// A folder with two frames of the sample building in `set`, with an IMU aligned with cam0, and its calibration.
 fn recording() -> Folder {
     let folder = Folder::new();
     let poses = [0, 1].map(|n| {
@@ -232,7 +232,7 @@ fn recording() -> Folder {
     folder
 }
 
-/// Upright at the first frame, on its side at the second, and none later.
+/// Upright at the first frame, on its side at the second, and no readings later.
 fn readings() -> impl Iterator<Item = (u64, [f64; 3])> {
     (0..60).map(|n| {
         let time = 800_000_000 + 20_000_000 * n;
@@ -240,7 +240,7 @@ fn readings() -> impl Iterator<Item = (u64, [f64; 3])> {
     })
 }
 
-/// The same as a bag: images as they are, or as blue, green, red with padding.
+/// The same recording as a bag: images unchanged, or as blue, green, red with padding.
 fn bag_of(folder: &Folder, is_compressed: bool) -> Bag {
     let mut bag = Bag::new();
     let kind = if is_compressed { COMPRESSED } else { IMAGE };
@@ -273,7 +273,7 @@ fn a_bag_is_evaluated_as_its_frames_in_a_folder() {
     let folder = recording();
     bag_of(&folder, false).write(&folder.path("sqlite"), Layout::Sqlite);
     bag_of(&folder, true).write(&folder.path("mcap"), Layout::McapZstd);
-    // Nothing but the IMU tells which end is up.
+    // Only the IMU determines which way is up.
     let line = |set: &str, out: &str| {
         format!(
             "evaluate --map sample.site --calib rig.yaml --groundtruth poses.tum --dataset {set} --out {out}"
@@ -307,7 +307,7 @@ fn a_bag_is_evaluated_as_its_frames_in_a_folder() {
     assert_eq!(folder.names(), before);
 }
 
-/// Where it lies on its side it is at odds with the image, and the frame says so.
+/// On its side the IMU disagrees with the image, which the frame reports.
 fn the_imu_counts(result: &Value) {
     let frames = result["results"].as_array().unwrap();
     assert_eq!(result["up_from"], serde_json::json!({ "both": 1 }), "{result}");

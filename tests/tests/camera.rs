@@ -1,5 +1,4 @@
-//! Camera models against `OpenCV` and against real calibrations; calibrations that make no sense, from the
-//! command line.
+//! Camera models against `OpenCV` and against real calibrations; invalid calibrations on the command line.
 
 use compass_core::vision::camera::{Bearing, Camera, Intrinsics, KannalaBrandt, ROUND_TRIP_PX};
 use compass_host::calibration::Calibration;

@@ -1,4 +1,4 @@
-//! The commands from end to end, as a script sees them, on the bundled sample building.
+//! The commands from end to end, as a script uses them, on the bundled sample building.
 
 use compass_core::base::raster::is_red;
 use compass_core::vision::camera::Bearing;
@@ -46,7 +46,7 @@ fn describe_has_the_promised_shape() {
     assert_eq!(channels.iter().map(Vec::len).collect::<Vec<_>>(), [360; 5]);
     assert!(channels.iter().flatten().all(|v| (0.0..=1.5).contains(v)));
 
-    // The channels follow from ranges and hits as the paper defines them.
+    // The channels follow from ranges and hits by the paper's definition.
     let near = |a: f64, b: f64| (a - b).abs() < 1.0 / 512.0;
     for j in 0..360 {
         let (before, r, after) = (ranges[(j + 359) % 360], ranges[j], ranges[(j + 1) % 360]);
@@ -85,7 +85,7 @@ fn bins_run_counter_clockwise_from_the_heading() {
     let backwards = folder.json("describe sample.png --at 13.37,3.68 --heading -270");
     assert_same_descriptor(&at_90, &backwards);
 
-    // A free square of 4 m whose position in it tells the directions apart.
+    // A free square of 4 m and a position in it that distinguishes the directions.
     let wall = |x: u32, y: u32| !(50..450).contains(&x) || !(50..450).contains(&y);
     let square = GrayImage::from_fn(500, 500, |x, y| Luma([if wall(x, y) { 0 } else { 255 }]));
     square.save(folder.path("square.png")).unwrap();
@@ -104,7 +104,7 @@ fn the_two_engines_agree() {
         let float = folder.json(&format!("{line} --engine float"));
         let (a, b) = (numbers(&fixed["range_m"]), numbers(&float["range_m"]));
         let (hits_a, hits_b) = (hits(&fixed), hits(&float));
-        // At most one ray of 360 may graze a corner and fall to the other side.
+        // At most one ray of 360 may graze a corner and resolve differently.
         let agrees = |j: &usize| hits_a[*j] == hits_b[*j] && (a[*j] - b[*j]).abs() <= 0.0201;
         let agreeing = (0..360).filter(agrees).count();
         assert!(agreeing >= 359, "{agreeing} of 360 at {x},{y}");
@@ -130,7 +130,7 @@ fn a_plan_can_be_named_in_every_way() {
     let moved = folder.json("describe sample.png --origin -20,4.5 --at -6.63,8.18 --heading 74");
     assert_same_descriptor(&expected, &moved);
 
-    // A pair of rasters without colour: everything, and the walls alone.
+    // A pair of rasters without colour: the full plan, and the walls alone.
     let building = sample::building();
     let mask =
         |bits| compass_core::base::raster::BitMask::new(bits, building.width, building.height).unwrap();
@@ -196,7 +196,7 @@ fn a_map_is_built_and_described() {
         assert!(1.0 < from && from < 3.0 && far - 3.0 < to && to < far, "{axis}: {from} to {to}");
     }
 
-    // The same again, by the other way to name the plan.
+    // Again, with the other way to name the plan.
     let again = folder.run("map build --plan sample.png --spacing 0.5 --name sample --out again.map");
     assert_eq!(again.status, Some(0), "{}", again.stderr);
     assert!(folder.read("again.map") == bytes, "two builds differ");
@@ -289,7 +289,7 @@ fn the_prefilter_scores_fewer() {
     assert!(number(&filtered["score"]) <= number(&all["score"]));
     let metres = (number(&filtered["x"]) - 13.37).hypot(number(&filtered["y"]) - 3.68);
     assert!(metres <= 0.75, "off by {metres} m");
-    // With room for all of them the filter changes nothing.
+    // With capacity for all candidates the filter changes nothing.
     let kept = folder.json(&format!("{LOCALIZE} {POSE} --prefilter 1000000"));
     assert_eq!(kept["candidates"], all["candidates"]);
 }
@@ -344,7 +344,7 @@ fn the_demo_finds_itself_and_draws_the_report() {
         let image = image::load_from_memory(&file).unwrap();
         assert!(image.width() >= 400 && image.height() >= 200, "{name}");
     }
-    // Whatever else is drawn is whole, and nothing temporary is left.
+    // The other pictures are complete, and no temporary file is left.
     let drawn = |p: &&PathBuf| p.starts_with(folder.path("report")) && p.is_file();
     for path in folder.names().iter().filter(drawn) {
         let other = ["report.html", "seen/sample.site", "seen/calibration.yaml"]

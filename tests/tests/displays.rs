@@ -1,4 +1,4 @@
-//! The pictures of `docs/displays.md` are what `compass_core::draw` puts on two usual displays.
+//! The pictures of `docs/displays.md` match the output of `compass_core::draw` on two common displays.
 //!
 //! `REGENERATE=1 cargo test -p compass-tests --test displays` rewrites them.
 
@@ -22,23 +22,23 @@ use image::{Rgb, RgbImage};
 use std::convert::Infallible;
 use std::path::Path;
 
-/// Where the robot is: the demo pose of the sample building.
+/// The robot's pose: the demo pose of the sample building.
 const AT: Place = Place::new(Metres::lit("13.37"), Metres::lit("3.68"));
 const HEADING: Turn = Turn::from_ratio(74, 360);
-/// What reaches the border of a scan.
+/// Range at the border of a drawn scan.
 const FULL_SCALE: u16 = 5 * STEPS_PER_METRE;
 
 type Monochrome =
     Framebuffer<BinaryColor, RawU1, LittleEndian, 128, 64, { buffer_size::<BinaryColor>(128, 64) }>;
 type Colour = Framebuffer<Rgb565, RawU16, LittleEndian, 240, 240, { buffer_size::<Rgb565>(240, 240) }>;
 
-/// What a robot knows there.
+/// The data of a robot there.
 struct Known {
     scan: Scan,
     descriptor: Descriptor,
-    /// What the map has of the place found, turned to the heading found.
+    /// The map's scan at the place found, rotated to the heading found.
     found: Scan,
-    /// How well that place fits, by heading.
+    /// The score of that place, by heading.
     scores: [Score; BINS],
 }
 
@@ -68,7 +68,7 @@ impl Known {
     }
 }
 
-/// The colours of a display: of what is seen, and of what the map has.
+/// The colours of a display: of the observed scan, and of the map's.
 #[derive(Clone, Copy)]
 struct Palette<C> {
     seen: HitColors<C>,
@@ -81,7 +81,7 @@ fn area(x: i32, y: i32, width: u32, height: u32) -> Rectangle {
     Rectangle::new(Point::new(x, y), Size::new(width, height))
 }
 
-/// The scan as seen, on the map's at the place found; beside or below that, the scores by heading.
+/// The observed scan over the map's at the place found; beside or below that, the scores by heading.
 fn matched<D: DrawTarget<Error = Infallible>>(
     display: &mut D,
     known: &Known,
@@ -93,7 +93,7 @@ fn matched<D: DrawTarget<Error = Infallible>>(
     let Ok(()) = draw::scores(display, scores, &known.scores, palette.bars);
 }
 
-/// A picture of a display, each pixel so many wide and high.
+/// A picture of a display, scaled by whole pixels.
 fn picture<D: GetPixel>(display: &D, size: Size, scale: u32) -> RgbImage
 where
     Rgb888: From<D::Color>,

@@ -1,4 +1,4 @@
-//! `compass evaluate` as a script sees it.
+//! `compass evaluate` as a script uses it.
 
 use compass_host::dataset::tum::{self, Pose};
 use compass_tests::{Folder, number};
@@ -8,7 +8,7 @@ const LINE: &str = "evaluate --map sample.site --calib set/calibration.yaml --da
     --groundtruth set/groundtruth.txt --mount upright --jobs 2";
 
 /// A folder with four frames of the sample building, half a second and 0.4 m apart, in `set`, and their poses in
-/// `poses.tum`. They are of a place where the track is sure, so that there are walls to tell of.
+/// `poses.tum`. They are at a place where the track is certain, so that the wall check has verdicts.
 fn recording() -> Folder {
     let folder = Folder::new();
     let pose = |n: u32| {
@@ -89,7 +89,7 @@ fn a_recording_is_evaluated_and_resumed() {
     resumes(&folder, &first);
 }
 
-/// The third line was cut off when the run was interrupted, and the evidence of the first frame is gone.
+/// The third line was truncated by the interruption, and the evidence of the first frame is missing.
 fn resumes(folder: &Folder, first: &Value) {
     let lines = String::from_utf8(folder.read("a/frames.jsonl")).unwrap();
     assert_eq!(lines.lines().count(), 4);
@@ -143,7 +143,7 @@ fn bad_input_is_named_and_leaves_nothing() {
     folder.write(list, b"#timestamp [ns],filename\n1000000000,none.jpg\n");
     refused(&format!("{LINE} --out x"), "data.csv:2: ");
     folder.write(list, &good);
-    // A frame that turns out to be damaged ends the run; what was finished is kept for the next.
+    // A damaged frame ends the run; finished frames are kept for the next run.
     folder.write("set/cam0/data/2000000000.jpg", b"\xff\xd8\xff\xe0 no picture");
     let ran = folder.run(&format!("{LINE} --out x"));
     assert!(ran.status == Some(2) && ran.stderr.contains("2000000000.jpg"), "{}", ran.stderr);

@@ -1,4 +1,4 @@
-//! What the eyes make of frames rendered in the sample building, from the command line: the plan is the truth.
+//! The vision commands on frames rendered in the sample building: the plan is the ground truth.
 
 use compass_host::calibration::NOMINAL_YAML;
 use compass_host::dataset::tum::Pose;
@@ -10,15 +10,16 @@ use std::sync::OnceLock;
 /// Size of the calibrated frames.
 const SIZE: (u32, u32) = (736, 720);
 
-/// Least share of the known bins that agree with the plan, in all and of one pose. Measured: 0.801 (wall everywhere
+/// Least share of the known bins that agree with the plan, overall and for one pose. Measured: 0.801 (wall everywhere
 /// would be 0.701) and 0.581, in a hall of glass; in frames of half the size 0.803 and 0.611.
 const AGREEING: [f64; 2] = [0.76, 0.54];
-/// Most degrees between the up vector found and the true one. Measured: 0.14; in frames of half the size 0.31.
+/// Largest angle between the estimated and the true up vector, degrees. Measured: 0.14; in frames of half the size
+/// 0.31.
 const UP_DEG: f64 = 1.0;
-/// Of the eight frames alone, at least so many have verticals enough to tell up. Measured: 6.
+/// Of the eight single frames, the least number with enough vertical lines for an up vector. Measured: 6.
 const FOUND_ALONE: usize = 5;
-/// Least share of the bins known in both of two looks from one place that are the same, of all poses and of each, where
-/// one wide window of even odds may change sides. Measured: 0.979 and 0.933.
+/// Least share of equal bins among those known in both of two observations from one place, of all poses and of each,
+/// where one wide window with even odds may flip. Measured: 0.979 and 0.933.
 const SAME: [f64; 2] = [0.95, 0.9];
 
 /// x, y and heading; pitch and roll. The rig hangs upside down, tilted as a hand holds it.
@@ -40,13 +41,13 @@ fn frames() -> &'static [[RgbImage; 2]] {
     FRAMES.get_or_init(|| (0..POSES.len()).map(|index| sample_frames(&pose(index, 0.0), SIZE)).collect())
 }
 
-/// The option that tells the true up vector.
+/// The option that gives the true up vector.
 fn up(pose: &Pose) -> String {
     let up = pose.up_in_camera();
     format!("--up {:.7},{:.7},{:.7}", up.x, up.y, up.z)
 }
 
-/// Degrees between a reported up vector and the true one.
+/// Angle between a reported up vector and the true one, degrees.
 fn up_error_deg(result: &Value, pose: &Pose) -> f64 {
     let found = numbers(&result["up_in_cam0"]);
     let truth = pose.up_in_camera();
@@ -74,8 +75,8 @@ fn hits(result: &Value) -> Vec<Option<&str>> {
     hits
 }
 
-/// How many of the known bins agree with the plan, how many are known, and how often the plan and the eyes have a
-/// window there.
+/// Number of known bins that agree with the plan, of known bins, and of windows there in the plan and in the
+/// observation.
 fn agreement(result: &Value, index: usize) -> [usize; 4] {
     let ([x, y, heading], _) = POSES[index];
     let scan = sample_plan().1.scan([x, y], heading).unwrap();
@@ -94,7 +95,7 @@ fn share(a: usize, b: usize) -> f64 {
     a as f64 / b.max(1) as f64
 }
 
-/// Share of the bins known in both that are the same, and how many are known in both.
+/// Share of equal bins among those known in both, and the number of those.
 fn sameness(a: &Value, b: &Value) -> (f64, usize) {
     let (a, b) = (hits(a), hits(b));
     let both: Vec<_> = a.iter().zip(&b).filter(|(a, b)| a.is_some() && b.is_some()).collect();
@@ -146,7 +147,7 @@ fn up_is_found() {
         assert!((number(&gravity["ambiguity"]) - runner_up / support).abs() < 1e-5, "{gravity}");
         axes_are_those_of_the_walls(&gravity, &pose);
 
-        // The wrong side is not within reach of the hint.
+        // The wrong side is out of the hint's range.
         let ran = folder.run(&format!("gravity {rig} --mount upright --json wrong.json"));
         if ran.status == Some(0) {
             let wrong: Value = serde_json::from_slice(&folder.read("wrong.json")).unwrap();
@@ -233,7 +234,7 @@ fn one_camera_alone_sees_its_half() {
             let windows = result["windows"].as_array().unwrap();
             assert!(windows.iter().all(|window| window["camera"] == name.as_str()), "{windows:?}");
 
-            // `windows` finds what `see` finds, and boxes lie in the image.
+            // `windows` finds the same windows as `see`, and boxes lie in the image.
             let alone =
                 folder.json(&format!("windows --calib rig.yaml --camera {name} {name}.png {}", up(&pose)));
             assert_eq!(alone["windows"], result["windows"]);
@@ -338,7 +339,7 @@ fn a_turn_of_the_rig_turns_the_hits() {
     let turned = Pose::looking(1, [x, y, 1.6], heading + f64::from(turn), pitch, roll);
     let rig = folder.write_frames(&sample_frames(&turned, SIZE));
     let second = folder.json(&format!("see {rig} {}", up(&turned)));
-    // Bin j of the second looks along heading + turn + j.
+    // Bin j of the second points along heading + turn + j.
     let mut first = hits(&first);
     first.rotate_left(turn as usize);
     let second = hits(&second);

@@ -1,5 +1,5 @@
-//! What the commands with camera frames make of bad input (exit status 2, one line that names the thing, nothing left
-//! behind) and of good but unusual input.
+//! The commands with camera frames on bad input (exit status 2, one line that names the fault, no files left behind)
+//! and on good but unusual input.
 
 use compass_host::calibration::NOMINAL_YAML;
 use compass_host::dataset::tum::Pose;
@@ -11,9 +11,9 @@ use std::sync::OnceLock;
 
 const UP: &str = "--up 0.25846434,0.96460206,-0.05233596";
 
-/// Most degrees of window or wall that may change with compression or without colour. Measured: 20, one window.
+/// Most degrees of hit type that may change with compression or without colour. Measured: 20, one window.
 const MOST_OFF: usize = 30;
-/// Most windows in frames that show nothing. Measured: 0.
+/// Most windows in frames without content. Measured: 0.
 const MOST_IN_NOTHING: usize = 2;
 
 /// Frames of half the size with windows in both: facade rooms in the corner of the building.
@@ -32,7 +32,7 @@ fn folder() -> Folder {
     folder
 }
 
-/// Runs `line`, which must leave the folder as it was, and must not panic.
+/// Runs `line`, which must leave the folder unchanged, and must not panic.
 fn run(folder: &Folder, line: &str) -> Ran {
     let before = folder.names();
     let ran = folder.run(line);
@@ -42,7 +42,7 @@ fn run(folder: &Folder, line: &str) -> Ran {
     ran
 }
 
-/// Runs `line`, which must be refused in one line that contains all of `named`.
+/// Runs `line`, which must be rejected in one line that contains all of `named`.
 fn refused(folder: &Folder, line: &str, named: &[&str]) {
     let Ran { status, stdout, stderr } = run(folder, line);
     assert_eq!((status, stdout.as_str()), (Some(2), ""), "{line}: {stderr}");
@@ -53,7 +53,7 @@ fn refused(folder: &Folder, line: &str, named: &[&str]) {
     }
 }
 
-/// Runs `line`, which the command line parser must refuse; it may take several lines to say so.
+/// Runs `line`, which the command line parser must reject; its message may have several lines.
 fn misused(folder: &Folder, line: &str, named: &[&str]) {
     let Ran { status, stdout, stderr } = run(folder, line);
     assert_eq!((status, stdout.as_str()), (Some(2), ""), "{line}: {stderr}");
@@ -62,7 +62,7 @@ fn misused(folder: &Folder, line: &str, named: &[&str]) {
     }
 }
 
-/// Every command that takes frames, with `file` in the place of one; they would write a file and a folder.
+/// Every command that takes frames, with `file` in place of one; each would write a file and a folder.
 fn with_frame(file: &str, calibration: &str) -> [String; 5] {
     let out = "--json out.json";
     let pictures = "--debug-dir pictures";
@@ -128,7 +128,7 @@ fn frames_of_another_shape() {
     for line in with_frame("turned.png", "rig.yaml") {
         refused(&folder, &line, &["rig.yaml: cam", "360 x 368", "swapped"]);
     }
-    // A square can be a frame of 736 x 720 made very small.
+    // A square can be a frame of 736 x 720 reduced to a few pixels.
     for line in with_frame("dot.png", "rig.yaml") {
         let Ran { status, stderr, .. } = folder.run(&line);
         assert!(status == Some(0) || status == Some(2) && stderr.lines().count() == 1, "{line}: {stderr}");
@@ -151,7 +151,7 @@ fn cameras_that_are_not_there() {
     let alone = folder.json(&format!("windows --calib front.yaml --camera cam0 cam0.png {UP}"));
     let both = folder.json(&format!("windows --calib rig.yaml --camera cam0 cam0.png {UP}"));
     assert_eq!(alone, both);
-    // cam1 alone needs to know where it is.
+    // cam1 alone needs its extrinsics.
     let floating =
         NOMINAL_YAML.lines().filter(|line| !line.contains("T_cn_cnm1") && !line.starts_with("    - "));
     folder.write("floating.yaml", floating.collect::<Vec<_>>().join("\n").as_bytes());
@@ -196,7 +196,7 @@ fn calibrations_that_make_no_sense() {
     for line in line("missing.yaml") {
         refused(&folder, &line, &["missing.yaml: cannot be read"]);
     }
-    // The first camera's values are all changed before the second's.
+    // All values of the first camera are changed before those of the second.
     for (from, to, named) in [
         ("  camera_model: pinhole\n", "", &["cam0.camera_model", "missing"][..]),
         ("  distortion_model: equidistant\n", "", &["cam0.distortion_model", "missing"]),
@@ -263,7 +263,7 @@ fn covers(spans: &[[f64; 2]], azimuth: f64) -> bool {
     spans.iter().any(|[from, to]| (azimuth - from).rem_euclid(360.0) <= to - from)
 }
 
-/// Degrees that one has as window and the other has not.
+/// Degrees in which only one of the two has a window.
 fn difference(a: &[[f64; 2]], b: &[[f64; 2]]) -> usize {
     (0..360).filter(|&degree| covers(a, f64::from(degree)) != covers(b, f64::from(degree))).count()
 }
@@ -302,12 +302,12 @@ fn the_kind_of_file_makes_no_difference() {
         println!("{file}: {off} degrees differ, {found:?}");
         assert!(off <= MOST_OFF, "{file}: {off} degrees differ");
     }
-    // The extension does not count, the content does.
+    // The content decides, not the extension.
     folder.write("really.jpg", &folder.read("cam1.png"));
     assert_eq!(windows(&folder, "really.jpg"), truth);
 }
 
-/// Noise of all levels, the same each time.
+/// Noise of all levels, from a fixed seed.
 fn noise(width: u32, height: u32) -> RgbImage {
     let mut state = 0x9e37_79b9_7f4a_7c15_u64;
     let mut byte = || {
@@ -365,7 +365,7 @@ fn frames_that_show_nothing() {
         let segments = folder.json(&format!("segments {name}"));
         assert!(name == "noise.png" || number(&segments["count"]) == 0.0, "{name}: {segments}");
     }
-    // One of the two shows nothing: the other is seen as before.
+    // One of the two has no content: the result for the other is unchanged.
     let alone = folder.json(&format!("see --calib rig.yaml --cam0 cam0.png --cam1 black.png {UP}"));
     assert_eq!(alone["hit"].as_array().unwrap().len(), 360);
 }

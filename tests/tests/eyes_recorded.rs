@@ -1,4 +1,4 @@
-//! The eyes on recordings, and the segments against the reference detector's: needs `COMPASS_DATA`.
+//! Vision on recordings, and the segments against the reference detector's: needs `COMPASS_DATA`.
 
 use compass_host::compare::segments::coverage;
 use compass_tests::{Folder, number, numbers, recordings};
@@ -9,14 +9,15 @@ use serde_json::Value;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-/// Least mean share of the bins seen that agree with the plan. Measured: 0.858, of the structure alone 0.832.
+/// Least mean share of the observed bins that agree with the plan. Measured: 0.858, of the structure alone 0.832.
 const AGREEING: f64 = 0.80;
-/// Least recall and precision of the labelled windows, and from which overlap a window is found. Measured: 1 and 1.
+/// Least recall and precision of the labelled windows, and the overlap from which a window counts as found. Measured:
+/// 1 and 1.
 const FOUND: f64 = 0.85;
 const OVERLAP: f64 = 0.3;
 /// Largest error of the heading at the peak, in degrees.
 const PEAK_DEG: f64 = 8.0;
-/// Most degrees that up may move when the frames are made smaller or compressed. Measured: 0.21.
+/// Largest change of the up vector when the frames are reduced or compressed, degrees. Measured: 0.21.
 const STABLE_DEG: f64 = 1.0;
 /// Least coverage of the reference's segments by ours, and of ours by the reference's. Measured: 0.951.
 const COVERAGE: f64 = 0.90;
@@ -36,7 +37,7 @@ fn room_pair(data: &Path) -> [PathBuf; 2] {
     [0, 1].map(|camera| data.join(format!("hilti/frames/room_pair_cam{camera}.png")))
 }
 
-/// Degrees between two unit vectors.
+/// Angle between two unit vectors, degrees.
 fn between_deg(a: &[f64], b: &[f64]) -> f64 {
     let chord = a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
     2.0 * (chord / 2.0).min(1.0).asin().to_degrees()
@@ -46,7 +47,7 @@ fn between_deg(a: &[f64], b: &[f64]) -> f64 {
 fn pose(line: &str) -> ([f64; 2], f64, [f64; 3]) {
     let fields: Vec<f64> = line.split_whitespace().map(|field| field.parse().unwrap()).collect();
     let [_, x, y, _, qx, qy, qz, qw] = fields[..] else { panic!("{line}") };
-    // Up is the map's z in the axes of cam0, the heading that of the optical axis.
+    // Up is the map's z in the axes of cam0; the heading is that of the optical axis.
     let up = [2.0 * (qx * qz - qy * qw), 2.0 * (qy * qz + qx * qw), 1.0 - 2.0 * (qx * qx + qy * qy)];
     let heading = (2.0 * (qy * qz - qx * qw)).atan2(2.0 * (qx * qz + qy * qw)).to_degrees();
     ([x, y], heading, up)
@@ -81,7 +82,8 @@ fn rendered_hits_agree_with_the_plan() {
             );
             Some(number(&result["agreeing_bins"]["share"]))
         };
-        // The operator walked through walls that the plan has, but not the frames: there the structure is the truth.
+        // The operator walked through walls of the plan that the frames do not have: there the structure is the ground
+        // truth.
         let structure = against("--structure").expect("nobody walks through structure");
         let shares = [against("").unwrap_or(structure), structure];
         let gravity = folder.json(&format!("gravity {pair} --mount inverted"));
@@ -97,7 +99,8 @@ fn rendered_hits_agree_with_the_plan() {
     assert!(up_errors.iter().all(|error| *error < STABLE_DEG), "{up_errors:?}");
 }
 
-/// The calibration of cam0 for the labelled picture: a frame of 1472 x 1440 made 623 x 601, in a border of 5 pixels.
+/// The calibration of cam0 for the labelled picture: a frame of 1472 x 1440 reduced to 623 x 601, in a border of 5
+/// pixels.
 fn write_labelled_calibration(folder: &Folder, data: &Path) {
     let text = std::fs::read_to_string(data.join("hilti/config/kalibr_imucam_chain.yaml")).unwrap();
     let cam0 = text.split("cam1:").next().unwrap();
@@ -126,7 +129,7 @@ fn overlap(a: &[f64], b: &[f64]) -> f64 {
     both / (area(a) + area(b) - both)
 }
 
-/// Recall and precision of the windows found: each label is found once, and the optional ones do not count.
+/// Recall and precision of the windows found: each label is matched once, and the optional ones do not count.
 fn recall_and_precision(found: &Value, labels: &Value) -> [f64; 2] {
     let boxes = |value: &Value| -> Vec<Vec<f64>> { value.as_array().unwrap().iter().map(numbers).collect() };
     let (wanted, optional) = (boxes(&labels["windows"]), boxes(&labels["optional"]));
@@ -164,7 +167,7 @@ fn labelled_windows_are_found() {
     let [recall, precision] = recall_and_precision(&told, &labels);
     println!("told up: recall {recall:.3}, precision {precision:.3}");
 
-    // That up vector was estimated, too.
+    // That up vector was estimated as well.
     let gravity =
         folder.run(&format!("gravity --calib small.yaml --cam0 {} --mount inverted", picture.display()));
     println!("{}{}", gravity.stdout, gravity.stderr);
@@ -204,7 +207,7 @@ fn up_is_stable_in_smaller_and_compressed_frames() {
         println!("{name}: {result}");
         numbers(&result["up_in_cam0"])
     };
-    // What a file is called makes no difference.
+    // The file name makes no difference.
     let write = |name: &str, camera: usize, image: &DynamicImage, quality: Option<u8>| {
         let mut file = std::fs::File::create(folder.path(&format!("{name}.{camera}"))).unwrap();
         match quality {

@@ -1,6 +1,6 @@
-//! What cameras see against the plan, and the pictures of it, from the command line.
+//! Observed hit types against the plan, and the pictures of them, from the command line.
 //!
-//! Needs the recordings (`COMPASS_DATA`), but for what is refused.
+//! Needs the recordings (`COMPASS_DATA`), except for the rejected input.
 
 use compass_tests::{Folder, number, recordings};
 use image::GenericImageView as _;
@@ -10,7 +10,7 @@ use std::path::Path;
 /// Largest error of the heading at the peak, in degrees.
 const PEAK_DEG: f64 = 8.0;
 
-/// The rig in a room of floor 1, and its up vector.
+/// The pose of the rig in a room of floor 1, and its up vector.
 const POSE: &str = "--at 36.57,20.95 --heading -113.5";
 const UP: &str = "--up -0.20068357,0.89218988,0.40462738";
 
@@ -33,7 +33,7 @@ fn pair(data: &Path) -> String {
     format!("{} --cam0 {} --cam1 {} {UP}", calibration(data), frame(data, 0), frame(data, 1))
 }
 
-/// A picture of the width of all figures that is not blank.
+/// Asserts a picture of the common figure width that is not blank.
 fn assert_picture(folder: &Folder, name: &str) {
     let picture = image::open(folder.path(name)).unwrap_or_else(|e| panic!("{name}: {e}"));
     assert_eq!(picture.width(), 1600, "{name}");
@@ -66,7 +66,7 @@ fn real_frames_agree_with_the_plan() {
         assert_picture(&folder, &format!("pictures/{name}.png"));
     }
 
-    // Interior walls that the shell does not have yet hide windows.
+    // Interior walls that the shell does not have yet occlude windows of the plan.
     let finished = folder.json(&line);
     assert!(at_peak(&finished["centred"])[1] < at_peak(&built["centred"])[1]);
 }
@@ -89,7 +89,7 @@ fn rendered_frames_agree_with_the_plan() {
     for ((pose, cam0), cam1) in poses.into_iter().zip(cam0).zip(cam1) {
         let pose: Vec<f64> = pose.split_whitespace().map(|field| field.parse().unwrap()).collect();
         let [_, x, y, _, qx, qy, qz, qw] = pose[..] else { panic!("{pose:?}") };
-        // The up vector is the map's z in the axes of cam0, the heading that of the optical axis.
+        // The up vector is the map's z in the axes of cam0; the heading is that of the optical axis.
         let up = [2.0 * (qx * qz - qy * qw), 2.0 * (qy * qz + qx * qw), 1.0 - 2.0 * (qx * qx + qy * qy)];
         let heading = (2.0 * (qy * qz - qx * qw)).atan2(2.0 * (qx * qz + qy * qw)).to_degrees();
         let line = format!(
@@ -127,7 +127,7 @@ fn pictures_show_what_was_found() {
     let _ = folder.json(&format!("segments {cam0} --debug-dir segments"));
     assert_picture(&folder, "segments/segments.png");
 
-    // Of the widest windows both finders see, the azimuths agree.
+    // The azimuths of the widest windows that both finders find agree.
     let spans = |result: &Value| -> Vec<[f64; 2]> {
         let windows = result["windows"].as_array().unwrap().iter();
         windows.map(|w| [0, 1].map(|end| number(&w["azimuth_deg"][end]))).collect()

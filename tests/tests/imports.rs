@@ -1,4 +1,5 @@
-//! The import graph: a wing of the core knows those above it, a module of core and host those before it; no circle.
+//! The import graph: a wing of the core imports only earlier wings, a module of core or host only earlier ones; no
+//! cycles.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -6,7 +7,7 @@ use std::path::{Path, PathBuf};
 /// Wings of `compass-core` in their order: none imports from one after it.
 const WINGS: [&str; 6] = ["base", "map", "vision", "pose", "descriptor", "locator"];
 
-/// Modules by path (`vision::segments::draw`) with the modules that they import from.
+/// Modules by path (`vision::segments::draw`) with the modules they import from.
 type Graph = BTreeMap<String, BTreeSet<String>>;
 
 /// The source files of a crate as modules and text without its tests.
@@ -36,7 +37,7 @@ fn module_of(root: &Path, path: &Path) -> String {
     parts.filter(|part| !["mod", "lib"].contains(part)).collect::<Vec<_>>().join("::")
 }
 
-/// Cuts the test module at the end, comments, and re-exports: a door does not depend on what it opens to.
+/// Removes the test module at the end, comments, and re-exports: a facade does not depend on what it re-exports.
 fn without_tests(text: &str) -> String {
     let code = text.split("#[cfg(test)]\nmod tests").next().unwrap_or_default();
     let lines = code.lines().filter(|line| !line.trim_start().starts_with("//"));
@@ -45,7 +46,7 @@ fn without_tests(text: &str) -> String {
     statements.filter(|s| !s.trim_start().starts_with("pub use") && !s.contains("#[cfg(doc)]")).collect()
 }
 
-/// Every path that begins with `crate::` or `super::` in a module's text, groups in braces spelled out.
+/// Every path that begins with `crate::` or `super::` in a module's text, with brace groups expanded.
 fn imports(module: &str, text: &str) -> BTreeSet<String> {
     let mut found = BTreeSet::new();
     for root in ["crate::", "super::"] {
@@ -64,7 +65,7 @@ fn imports(module: &str, text: &str) -> BTreeSet<String> {
     found
 }
 
-/// Reads one path, with its groups, off the front of a text; gives the rest.
+/// Parses one path, with its groups, off the front of a text; returns the rest.
 fn expand<'t>(text: &'t str, prefix: &str, found: &mut Vec<String>) -> &'t str {
     let end = text.find(|c: char| !(c.is_alphanumeric() || c == '_' || c == ':')).unwrap_or(text.len());
     let path = format!("{prefix}{}", &text[..end]);
@@ -84,7 +85,7 @@ fn expand<'t>(text: &'t str, prefix: &str, found: &mut Vec<String>) -> &'t str {
     rest.trim_start_matches([',', ' ', '\n', '\t']).strip_prefix('}').unwrap_or(rest)
 }
 
-/// A path of `crate::` or of `super::` from a module, counted from the root.
+/// Resolves a `crate::` or `super::` path of a module against the root.
 fn absolute(module: &str, path: &str) -> String {
     let mut scope: Vec<&str> = module.split("::").filter(|part| !part.is_empty()).collect();
     let mut parts: Vec<&str> = path.split("::").collect();
@@ -130,7 +131,7 @@ fn below(module: &str, child: &str) -> String {
     if module.is_empty() { child.to_owned() } else { format!("{module}::{child}") }
 }
 
-/// Whether a text has a path that begins with a child's name.
+/// Whether a text has a path that begins with the name of a child.
 fn names(text: &str, child: &str) -> bool {
     let start = format!("{child}::");
     text.match_indices(&start).any(|(at, _)| {
@@ -139,7 +140,7 @@ fn names(text: &str, child: &str) -> bool {
     })
 }
 
-/// Imports of a wing from one after it, in words.
+/// Imports of a wing from a later one, as text.
 fn arrows_upwards(graph: &Graph) -> Vec<String> {
     let wing = |module: &str| {
         let first = module.split("::").next().unwrap_or_default();
@@ -158,7 +159,7 @@ fn arrows_upwards(graph: &Graph) -> Vec<String> {
     found
 }
 
-/// Modules that import each other around a circle, in words; one circle for each module that closes one.
+/// Import cycles, as text; one for each module that closes one.
 fn circles(graph: &Graph) -> Vec<String> {
     fn visit(
         module: &str,

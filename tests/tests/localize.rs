@@ -8,11 +8,11 @@ use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
 
-/// The size of frames that a microcontroller holds.
+/// Frame size that fits a microcontroller.
 const SIZE: (u32, u32) = (368, 360);
 const LOCALIZE: &str = "localize --map sample.site --mount inverted";
 
-/// In the hall, hanging upside down and tilted.
+/// A pose in the hall, upside down and tilted.
 fn pose() -> Pose {
     let ([x, y], heading) = FRAME_POSE;
     Pose::looking(1, [x, y, 1.6], heading, 4.0, 187.0)
@@ -28,7 +28,7 @@ fn folder_with_frames() -> (Folder, &'static str) {
     (folder, options)
 }
 
-/// Metres and degrees off.
+/// Position error in metres and heading error in degrees.
 fn errors(answer: &Value, [x, y]: [f64; 2], heading: f64) -> (f64, f64) {
     let metres = (number(&answer["x"]) - x).hypot(number(&answer["y"]) - y);
     (metres, angle(number(&answer["heading_deg"]), heading))
@@ -56,8 +56,8 @@ fn frames_find_their_place() {
     }
     let again = folder.json(&format!("{LOCALIZE} {options}"));
     assert_eq!(answer["candidates"], again["candidates"], "the same again is the same");
-    // A known height and the truth are taken. Larger frames: for these ones the place by a wrong height of the ceiling leads
-    // by more than the true one does, though it scores less, and is taken.
+    // A known height and the truth are accepted. Larger frames: with these, the place found with a wrong ceiling
+    // height has the larger lead, though the lower score, and is chosen.
     let _ = folder.write_frames(&sample_frames(&pose(), (2 * SIZE.0, 2 * SIZE.1)));
     let known = folder.json(&format!(
         "{LOCALIZE} {options} --camera-height 1.6 --at {},{} --heading {heading}",
@@ -75,7 +75,7 @@ fn what_is_not_sure_is_not_said() {
     assert!(answer.get("x").is_none() && !answer["candidates"].as_array().unwrap().is_empty(), "{answer}");
     assert!((0.0..1.0).contains(&number(&answer["probability"])));
 
-    // Frames that show nothing give no place, whatever the best of all is.
+    // Frames without content give no place, whatever scores best.
     let [front, back] = frames();
     let gray = |frame: &RgbImage| RgbImage::from_pixel(frame.width(), frame.height(), Rgb([90; 3]));
     let _ = folder.write_frames(&[gray(&front), gray(&back)]);
@@ -90,7 +90,7 @@ fn one_camera_works() {
     let (at, heading) = FRAME_POSE;
     let up = pose().up_in_camera();
     let told = format!("--calib rig.yaml --up {},{},{} --camera-height 1.6", up.x, up.y, up.z);
-    // The back camera sees three walls of the room, the front one two without windows: it cannot tell.
+    // The back camera sees three walls of the room, the front one two without windows: ambiguous.
     let answer = folder.json(&format!("{LOCALIZE} {told} --cam1 cam1.png"));
     let (metres, degrees) = errors(&answer, at, heading);
     assert!(metres < 1.0 && degrees < 5.0, "{metres} m, {degrees} degrees");
@@ -144,7 +144,7 @@ fn recordings_find_their_place() {
     build.arg("--walls").arg(plans.join("masks_no_windows/floor_1.png")).arg("--out").arg(&site);
     assert!(build.output().unwrap().status.success());
 
-    // The real pair: its pose was fitted by hand, to 0.2 m and 2 degrees; nothing is told but the mounting.
+    // The real pair: its pose was fitted by hand, to 0.2 m and 2 degrees; only the mounting is given.
     let frame = |camera: u8| data.join(format!("hilti/frames/room_pair_cam{camera}.png"));
     let answer = locate(&site, &data, [&frame(0), &frame(1)], &[]);
     let (metres, degrees) = errors(&answer, [36.57, 20.95], -113.5);

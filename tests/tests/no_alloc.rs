@@ -1,4 +1,4 @@
-//! The eyes allocate nothing per frame: after a first pair of frames all buffers are there.
+//! Vision allocates nothing per frame: after a first pair of frames all buffers exist.
 
 use compass_core::Settings;
 use compass_core::vision::camera::Bearing;
@@ -11,7 +11,7 @@ use compass_tests::sample_frames;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
-/// Counts the requests of each thread.
+/// Counts the allocations of each thread.
 struct Counting;
 
 thread_local! {
@@ -19,32 +19,32 @@ thread_local! {
 }
 
 fn count() {
-    // A thread that ends has no counter any more.
+    // A terminating thread has no counter any more.
     let _ = REQUESTS.try_with(|requests| requests.set(requests.get() + 1));
 }
 
-// SAFETY: everything is passed on to the system's allocator as it came.
+// SAFETY: every call is forwarded unchanged to the system's allocator.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         count();
-        // SAFETY: the caller keeps the contract.
+        // SAFETY: the caller upholds the contract.
         unsafe { System.alloc(layout) }
     }
 
     unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
         count();
-        // SAFETY: the caller keeps the contract.
+        // SAFETY: the caller upholds the contract.
         unsafe { System.alloc_zeroed(layout) }
     }
 
     unsafe fn realloc(&self, block: *mut u8, layout: Layout, size: usize) -> *mut u8 {
         count();
-        // SAFETY: the caller keeps the contract.
+        // SAFETY: the caller upholds the contract.
         unsafe { System.realloc(block, layout, size) }
     }
 
     unsafe fn dealloc(&self, block: *mut u8, layout: Layout) {
-        // SAFETY: the caller keeps the contract.
+        // SAFETY: the caller upholds the contract.
         unsafe { System.dealloc(block, layout) }
     }
 }
@@ -52,7 +52,7 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// How often `work` asks for memory on this thread.
+/// Number of allocations by `work` on this thread.
 fn requests<T>(work: impl FnOnce() -> T) -> (usize, T) {
     let before = REQUESTS.get();
     let result = work();
@@ -86,7 +86,7 @@ fn frames_are_seen_without_allocation() {
             let (segments, segmented) = requests(|| locator.segment(frames).unwrap());
             let mut segmented = segmented;
             let (vertical, up) = requests(|| mount.vertical(&mut segmented));
-            // Where no window tells up from down, the work was done as well.
+            // Without windows to tell up from down, the work was done as well.
             let up = up.map_or(Bearing::new(0.0, 1.0, 0.0), |vertical| vertical.up);
             let (windows, seen) = requests(|| see(segmented.level(&up).unwrap()).windows().len());
             println!("{size:?} {mount:?}: {segments}, {vertical} and {windows} requests; {seen} windows");

@@ -1,6 +1,6 @@
-//! The paper's figures, and those that the project sets itself on the same plans.
+//! The paper's figures, and the project's own targets on the same plans.
 //!
-//! Needs the recordings (`COMPASS_DATA`), but for the hit-type counts.
+//! Needs the recordings (`COMPASS_DATA`), except for the hit-type counts.
 
 use compass_core::base::confidence::Confidence;
 use compass_core::base::num::BINS;
@@ -19,13 +19,13 @@ use std::path::Path;
 /// The paper's test position on `floor_1`.
 const PAPER_POSE: [f64; 2] = [36.952608753, 18.606614301];
 const STEP_M: f64 = 0.02;
-/// A map of `floor_1` at 0.5 m stays below this.
+/// Upper limit of a map of `floor_1` at 0.5 m.
 const MAP_BYTES: usize = 2_000_000;
-/// Of queries off the grid at least this many are found within [`NEAR_M`] and [`NEAR_DEG`].
+/// Least share of queries off the grid that are found within [`NEAR_M`] and [`NEAR_DEG`].
 const RECALL: f64 = 0.9;
 const NEAR_M: f64 = 0.75;
 const NEAR_DEG: f64 = 5.0;
-/// A share of 91 % of 200 poses is uncertain by 4 % (two standard deviations), of these by 1.8 %.
+/// The standard error makes 91 % of 200 poses uncertain by 4 % (two standard deviations), of these by 1.8 %.
 const POSES: usize = 1000;
 
 fn floor(data: &Path, name: &str) -> (PlanRaster, PackedPlan) {
@@ -110,7 +110,7 @@ fn poses_off_the_grid_are_found_on_floor_1() {
                 found += 1;
                 continue;
             }
-            // Why not: no candidate there, or one elsewhere that fits better?
+            // Cause of the failure: no candidate there, or a better match elsewhere?
             let mut query = Box::new(Query::EMPTY);
             query.set(&Descriptor::from(&scan), &Confidence::CERTAIN, Weights::EQUAL, similarity);
             let nearest = (0..positions.len()).min_by(|a, b| distance(*a).total_cmp(&distance(*b))).unwrap();
@@ -150,7 +150,7 @@ fn poses_off_the_grid_are_found_on_floor_1() {
     }
 }
 
-/// Hit types with `both` bins that are windows in both, and the rest of each one's windows apart.
+/// Hit types with `both` bins that are windows in both, and the other windows of each without overlap.
 fn hit_channels(first: usize, second: usize, both: usize) -> [Scan; 2] {
     let scan = |is_window: &dyn Fn(usize) -> bool| {
         let hit = std::array::from_fn(|bin| if is_window(bin) { Hit::Window } else { Hit::Wall });
@@ -162,7 +162,7 @@ fn hit_channels(first: usize, second: usize, both: usize) -> [Scan; 2] {
 
 #[test]
 fn the_papers_hit_counts_give_its_cosine() {
-    // 156 and 67 window bins of which n are shared disagree in 156 + 67 - 2 n = 360 - 231 bins: n = 47.
+    // 156 and 67 window bins with n shared ones disagree in 156 + 67 - 2 n = 360 - 231 bins: n = 47.
     let [camera, plan] = hit_channels(156, 67, 47);
     let agreeing = camera.hit.iter().zip(&plan.hit).filter(|(a, b)| a == b).count();
     assert_eq!((camera.count(Hit::Window), plan.count(Hit::Window), agreeing), (156, 67, 231));
@@ -186,7 +186,7 @@ fn the_papers_hit_counts_give_its_cosine() {
         assert!((exact - expected).abs() < 1e-3, "{similarity:?}: {exact}");
         assert!((through_fft - exact).abs() < 1e-3, "{similarity:?}: {through_fft}");
     }
-    // Chance agreement of such counts is already 54 %.
+    // Chance agreement of such counts is 54 % already.
     let share = |n: f64| n / 360.0;
     let chance = share(156.0) * share(67.0) + share(204.0) * share(293.0);
     assert!((chance - 0.54).abs() < 0.005, "{chance}");

@@ -1,4 +1,4 @@
-//! Properties of matching over arbitrary scans, and the exact search against scoring everything.
+//! Properties of matching over arbitrary scans, and the exact search against an exhaustive one.
 
 use compass_core::base::confidence::Confidence;
 use compass_core::base::num::{BINS, ChannelValue, Score};
@@ -18,7 +18,7 @@ use proptest::strategy::ValueTree as _;
 
 const KINDS: [Similarity; 2] = [Similarity::Plain, Similarity::Centred];
 
-/// Scans of a few stretches each, as rooms have them.
+/// Scans of a few stretches each, as in rooms.
 fn any_scan() -> impl Strategy<Value = Scan> {
     let stretch = (1..60_usize, 1..=MAX_STEPS, 0..3_u8, -8..8_i32);
     vec(stretch, 1..40).prop_map(|stretches| {
@@ -73,7 +73,7 @@ fn peak(query: &Query, candidate: &Candidate) -> Peak {
     query.peak(candidate, &mut correlator)
 }
 
-/// The best candidate and heading by scoring all candidates at all headings; of equals the first.
+/// The best candidate and heading by scoring all candidates at all headings; the first of equal ones.
 fn brute_force(map: &SiteMap<'_>, query: &Query) -> Match {
     let mut scan = Scan::OPEN;
     let mut best = Match::NONE;
@@ -81,7 +81,7 @@ fn brute_force(map: &SiteMap<'_>, query: &Query) -> Match {
     query.load(&mut correlator);
     for (number, record) in (0..).zip(map.iter()) {
         record.scan(&mut scan);
-        // That this is the best of all shifts is a property of its own, below.
+        // That it is the best of all shifts is a separate property, below.
         let peak = query.peak(&candidate(&scan), &mut correlator);
         if peak.score_bits > best.peak.score_bits {
             best = Match { candidate: number, peak };
@@ -129,7 +129,7 @@ fn the_exact_search_holds_for_scans_from_nowhere() {
     }
 }
 
-/// Half of the circle is seen, some of it badly.
+/// Half of the circle is observed, some of it with low confidence.
 #[test]
 fn the_masked_search_finds_what_scoring_everything_finds() {
     let (raster, plan) = sample_plan();
@@ -153,7 +153,7 @@ fn the_masked_search_finds_what_scoring_everything_finds() {
     }
 }
 
-/// A round room without windows scores the same at every heading: still, some candidate fits best.
+/// A round room without windows scores the same at every heading: some candidate must still win.
 #[test]
 fn the_exact_search_survives_a_query_without_features() {
     let mut localizer = Localizer::new(SiteMap::new(sample_map()).unwrap());
@@ -200,7 +200,7 @@ fn a_pose_turned_on_the_spot_is_found_turned() {
     }
 }
 
-/// An open field, or hit types alone where there are only walls, have nothing to compare.
+/// An open field, or hit types alone with only walls, have no contrast to compare.
 #[test]
 fn a_query_of_norm_zero_scores_zero() {
     let flat = Scan { steps: [200; BINS], hit: [Hit::Wall; BINS] };
@@ -230,7 +230,7 @@ fn a_query_of_norm_zero_scores_zero() {
             assert!(scores.iter().all(|s| *s == 0), "case {number}");
         }
     }
-    // And the search returns without a panic, and without a claim.
+    // The search returns without a panic, and without a result.
     let mut localizer = Localizer::new(SiteMap::new(sample_map()).unwrap());
     let answer = localizer.locate(&flat, &MatchOptions::default());
     assert_eq!(answer.margin(), 0);
@@ -265,7 +265,7 @@ proptest! {
         let (straight, round) = (certain(&a, kind), certain(&turned(&a, degrees), kind));
         let (first, second) = (peak(&straight, &other), peak(&round, &other));
         prop_assert_eq!(first.score_bits, second.score_bits);
-        // Of equal peaks the first is taken, so the shift may be another one of the same score.
+        // Of equal peaks the first is chosen, so the shift may be another one with the same score.
         let back = (usize::from(second.shift) + BINS - degrees) % BINS;
         prop_assert_eq!(straight.score(&other, back).to_bits(), first.score_bits);
     }
@@ -305,7 +305,7 @@ proptest! {
             prop_assert_eq!(clean.score(&candidate, shift), masked.score(&candidate, shift));
         }
         prop_assert_eq!(peak(&clean, &candidate), peak(&masked, &candidate));
-        // A bin that is trusted does count.
+        // A bin with confidence does count.
         let seen = (from + length) % BINS;
         levels.levels[1][seen] = ChannelValue::from_num(1.5);
         let changed = prepared(&levels);

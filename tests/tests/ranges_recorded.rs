@@ -1,12 +1,12 @@
 //! Ranges and headings from rendered pairs against the plan they were rendered from: needs `COMPASS_DATA`.
 //!
-//! The frames show the building between its shell and its finished state: partitions of the plan are missing, walls that
-//! the operator walked through as well, and clutter hides others. What is visible is therefore told in two ways:
+//! The frames show the building between its shell and its finished state: partitions of the plan are missing, as are
+//! walls that the operator walked through, and clutter occludes others. Ground truth is therefore defined in two ways:
 //!
-//! - *seen*: the answer lies within 20 % of the range in the plan as drawn, or in its structure alone. This judges how
-//!   exact ranges are, not how often they are right.
-//! - *sure*: both layers meet something at one range (within 5 %) of 1 to 8 m. Nothing is known of the answer here, and
-//!   what hides the wall counts as an error.
+//! - *seen*: the estimate lies within 20 % of the range in the plan as drawn, or in its structure alone. This measures
+//!   the precision of ranges, not how often they are right.
+//! - *sure*: both layers have a hit at one range (within 5 %) of 1 to 8 m, independent of the estimate; an occluded
+//!   wall counts as an error.
 
 use compass_core::base::ladder::height_rungs;
 use compass_core::base::scan::{Hit, Scan};
@@ -28,24 +28,24 @@ use compass_host::visual_descriptor::VisualDescriptor;
 use compass_tests::{angle, recordings};
 use std::path::Path;
 
-/// Ranges are judged from and to here, metres: nearer walls are those that the operator walked through.
+/// Ranges are evaluated between these, metres: nearer walls are those that the operator walked through.
 const RANGES_M: [f64; 2] = [1.0, 8.0];
-/// Layers that differ by less show one wall, and an answer that differs by less from a layer has seen its wall.
+/// Layers that differ by less show the same wall, and an estimate that differs by less from a layer is of its wall.
 const SAME: f64 = 0.05;
 const SEEN: f64 = 0.2;
 
-/// Largest median relative error of ranges seen, and of walls that are surely there. Measured: 0.020 and 0.023; of
-/// windows 0.42, whose sills and lintels pass for floor and ceiling farther away.
+/// Largest median relative error of ranges seen, and of walls that are sure. Measured: 0.020 and 0.023; of windows
+/// 0.42, whose sills and lintels are mistaken for floor and ceiling farther away.
 const MEDIAN: [f64; 2] = [0.035, 0.04];
 /// Least share of such walls that are within 10 %. Measured: 0.91.
 const WALLS_NEAR: f64 = 0.8;
-/// Least share of bins with an answer, and of the answers that are seen. Measured: 1 and 0.642.
+/// Least share of bins with an estimate, and of estimates that are seen. Measured: 1 and 0.642.
 const ANSWERED: f64 = 0.95;
 const SEEN_SHARE: f64 = 0.55;
 /// Least share within 10 % of a layer of the bins of confidence above 3/4. Measured: 0.624.
 const SURE: f64 = 0.55;
-/// Pairs, of eight, whose heading is found at the true position within [`TURN_DEG`], at least: by hit type, range, all
-/// channels, and the table of evidence. Measured: 8, 4, 8, 8.
+/// Least number of pairs, of eight, whose heading is found at the true position within [`TURN_DEG`]: by hit type,
+/// range, all channels, and the evidence table. Measured: 8, 4, 8, 8.
 const HEADINGS: [usize; 4] = [7, 3, 7, 7];
 const TURN_DEG: f64 = 2.0;
 
@@ -59,24 +59,24 @@ fn layers(data: &Path) -> [PackedPlan; 2] {
     [raster, structure].map(|raster| PackedPlan::new(&raster).unwrap())
 }
 
-/// What one pair shows.
-struct Look {
+/// The data of one pair.
+struct Observation {
     pose: Pose,
     seen: VisualDescriptor,
-    sighting: WindowEvidence,
+    windows: WindowEvidence,
     evidence: Box<EvidenceTable>,
-    /// Scans of the layers at the true pose, and at the true position with heading 0; none inside a wall.
+    /// Scans of the layers at the true pose, and at the true position with heading 0; `None` inside a wall.
     ahead: [Option<Scan>; 2],
     east: [Option<Scan>; 2],
 }
 
-fn looks(data: &Path) -> Vec<Look> {
+fn observations(data: &Path) -> Vec<Observation> {
     let rendered = data.join("rendered/floor_1");
     let poses = tum::read(&rendered.join("groundtruth.txt")).unwrap();
     let calibration = Calibration::load(&data.join("hilti/config/kalibr_imucam_chain.yaml")).unwrap();
     let layers = layers(data);
     let mut locator: Option<Locator<'_>> = None;
-    let look = |pose: &Pose| {
+    let observation = |pose: &Pose| {
         let read = |camera: &str| {
             let name = format!("{}.jpg", pose.timestamp_ns);
             Frame::read(&rendered.join(camera).join("data").join(name)).unwrap()
@@ -90,25 +90,25 @@ fn looks(data: &Path) -> Vec<Look> {
         let up: Bearing = pose.up_in_camera().cast();
         let height_m = pose.position.z as f32;
         let mut shown = see(locator.segment(frames).unwrap().level(&up).unwrap());
-        let sighting = shown.window_evidence().clone();
+        let windows = shown.window_evidence().clone();
         let ranges = shown.range_likelihoods(HeightPrior::camera(height_m)).unwrap();
         let mut evidence = Box::new(EvidenceTable::EMPTY);
-        weigh(ranges, height_rungs(height_m), &sighting, &mut evidence);
-        let seen = VisualDescriptor::new(ranges, &sighting, Some(height_m));
+        weigh(ranges, height_rungs(height_m), &windows, &mut evidence);
+        let seen = VisualDescriptor::new(ranges, &windows, Some(height_m));
         let at = [pose.position.x, pose.position.y];
         let scans = |heading: f64| layers.each_ref().map(|layer| layer.scan(at, heading).ok());
         let (ahead, east) = (scans(pose.heading_deg()), scans(0.0));
-        Look { pose: *pose, seen, sighting, evidence, ahead, east }
+        Observation { pose: *pose, seen, windows, evidence, ahead, east }
     };
-    poses.iter().map(look).collect()
+    poses.iter().map(observation).collect()
 }
 
 fn metres(scan: &Scan, bin: usize) -> f64 {
     f64::from(scan.steps[bin]) * 0.02
 }
 
-impl Look {
-    /// The range of what surely stands in a bin.
+impl Observation {
+    /// The range of the sure wall in a bin.
     fn sure(&self, bin: usize) -> Option<f64> {
         let [Some(plan), Some(structure)] = &self.ahead else { return None };
         let (a, b) = (metres(plan, bin), metres(structure, bin));
@@ -116,7 +116,7 @@ impl Look {
         ((a - b).abs() <= SAME * b && (least..most).contains(&a)).then_some(a)
     }
 
-    /// Relative error of a bin's range against the layer it is nearer to, of those that the range can be judged by.
+    /// Relative error of a bin's range against the nearer layer, if the range can be evaluated by it.
     fn nearest_error(&self, bin: usize) -> Option<f64> {
         let range = f64::from(self.seen.ranges[bin]?.metres);
         let [least, most] = RANGES_M;
@@ -125,7 +125,7 @@ impl Look {
         errors.min_by(|a, b| a.abs().total_cmp(&b.abs()))
     }
 
-    /// Relative errors where something surely stands, of the hit type and at the ranges asked for.
+    /// Relative errors at sure walls, of the requested hit type and ranges.
     fn sure_errors(&self, hit: Hit, within: [f64; 2]) -> Vec<f64> {
         let error = |bin: usize| {
             let truth = self.sure(bin).filter(|truth| (within[0]..within[1]).contains(truth))?;
@@ -140,7 +140,7 @@ impl Look {
         (0..360).filter_map(|bin| self.nearest_error(bin).filter(|error| error.abs() <= SEEN)).collect()
     }
 
-    /// Degrees by which the heading of the highest score is off; of both layers the one that scores higher counts.
+    /// Heading error of the highest score in degrees; of both layers the one with the higher score counts.
     fn off(&self, scores: impl Fn(&Scan) -> [f64; 360]) -> f64 {
         let all = self.east.iter().flatten().flat_map(|scan| scores(scan).into_iter().enumerate());
         let best = all.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
@@ -151,7 +151,7 @@ impl Look {
         let mut query = Box::new(Query::EMPTY);
         let VisualDescriptor { scan, confidence, .. } = &self.seen;
         let only_hits = weights == Weights::HIT_TYPE;
-        let confidence = if only_hits { &self.sighting.confidence } else { confidence };
+        let confidence = if only_hits { &self.windows.confidence } else { confidence };
         query.set(&Descriptor::from(scan), confidence, weights, Similarity::Centred);
         self.off(|scan| {
             let candidate = Candidate::from(&Descriptor::from(scan));
@@ -205,28 +205,34 @@ impl std::fmt::Display for Summary {
 #[test]
 fn ranges_are_those_of_the_plan() {
     let Some(data) = recordings("ranges_are_those_of_the_plan") else { return };
-    let looks = looks(&data);
-    assert_eq!(looks.len(), 8);
-    for look in &looks {
-        let [x, y] = [look.pose.position.x, look.pose.position.y];
+    let observations = observations(&data);
+    assert_eq!(observations.len(), 8);
+    for observation in &observations {
+        let [x, y] = [observation.pose.position.x, observation.pose.position.y];
         println!(
             "{x:5.1} {y:5.1}: camera {:.2} m, room {:.2} m",
-            look.seen.height.camera_m, look.seen.height.ceiling_m
+            observation.seen.height.camera_m, observation.seen.height.ceiling_m
         );
-        println!("  seen         {}", Summary::new(look.seen_errors()));
-        println!("  sure wall    {}", Summary::new(look.sure_errors(Hit::Wall, RANGES_M)));
-        println!("  sure window  {}", Summary::new(look.sure_errors(Hit::Window, RANGES_M)));
+        println!("  seen         {}", Summary::new(observation.seen_errors()));
+        println!("  sure wall    {}", Summary::new(observation.sure_errors(Hit::Wall, RANGES_M)));
+        println!("  sure window  {}", Summary::new(observation.sure_errors(Hit::Window, RANGES_M)));
     }
     for band in [[1.0, 2.0], [2.0, 3.0], [3.0, 4.0], [4.0, 6.0], [6.0, 8.0]] {
         for hit in [Hit::Wall, Hit::Window] {
-            let errors = looks.iter().flat_map(|look| look.sure_errors(hit, band)).collect();
+            let errors =
+                observations.iter().flat_map(|observation| observation.sure_errors(hit, band)).collect();
             println!("{band:?} m, sure {hit:?}: {}", Summary::new(errors));
         }
     }
-    let answers = looks.iter().flat_map(|look| &look.seen.ranges).flatten().count();
-    let judged = looks.iter().flat_map(|look| (0..360).filter_map(|bin| look.nearest_error(bin))).count();
-    let seen = Summary::new(looks.iter().flat_map(Look::seen_errors).collect());
-    let walls = Summary::new(looks.iter().flat_map(|look| look.sure_errors(Hit::Wall, RANGES_M)).collect());
+    let answers = observations.iter().flat_map(|observation| &observation.seen.ranges).flatten().count();
+    let judged = observations
+        .iter()
+        .flat_map(|observation| (0..360).filter_map(|bin| observation.nearest_error(bin)))
+        .count();
+    let seen = Summary::new(observations.iter().flat_map(Observation::seen_errors).collect());
+    let walls = Summary::new(
+        observations.iter().flat_map(|observation| observation.sure_errors(Hit::Wall, RANGES_M)).collect(),
+    );
     let (answered, seen_share) = (share(answers, 8 * 360), share(seen.count, judged));
     println!(
         "all: answered {answered:.3}, seen {seen_share:.3} of {judged}\n  seen       {seen}\n  sure wall  {walls}"
@@ -234,19 +240,21 @@ fn ranges_are_those_of_the_plan() {
     assert!(answered >= ANSWERED && seen_share >= SEEN_SHARE, "{answered} {seen_share}");
     assert!(seen.count > 800 && seen.magnitude <= MEDIAN[0], "{seen}");
     assert!(walls.count > 300 && walls.magnitude <= MEDIAN[1] && walls.near >= WALLS_NEAR, "{walls}");
-    confidence_is_earned(&looks);
+    confidence_is_earned(&observations);
 }
 
-fn confidence_is_earned(looks: &[Look]) {
+fn confidence_is_earned(observations: &[Observation]) {
     let mut classes = [[0_usize; 2]; 4];
     let (mut walls, mut sums) = ([[0_usize; 2]; 4], [0.0; 4]);
-    for look in looks {
-        for (bin, range) in look.seen.ranges.iter().enumerate().filter_map(|(bin, r)| Some((bin, (*r)?))) {
+    for observation in observations {
+        for (bin, range) in
+            observation.seen.ranges.iter().enumerate().filter_map(|(bin, r)| Some((bin, (*r)?)))
+        {
             let class = ((range.confidence * 4.0) as usize).min(3);
             let range_m = f64::from(range.metres);
             let agrees = |scan: &Scan| (range_m / metres(scan, bin) - 1.0).abs() <= 0.1;
-            let right = usize::from(look.ahead.iter().flatten().any(agrees));
-            let wall = usize::from(look.ahead.iter().flatten().all(|scan| scan.hit[bin] == Hit::Wall));
+            let right = usize::from(observation.ahead.iter().flatten().any(agrees));
+            let wall = usize::from(observation.ahead.iter().flatten().all(|scan| scan.hit[bin] == Hit::Wall));
             classes[class] = [classes[class][0] + right, classes[class][1] + 1];
             walls[class] = [walls[class][0] + right * wall, walls[class][1] + wall];
             sums[class] += f64::from(range.confidence);
@@ -267,26 +275,26 @@ fn confidence_is_earned(looks: &[Look]) {
 #[test]
 fn headings_are_found_at_the_true_position() {
     let Some(data) = recordings("headings_are_found_at_the_true_position") else { return };
-    let looks = looks(&data);
+    let observations = observations(&data);
     let alone = |channel: usize| Weights(std::array::from_fn(|c| if c == channel { 16 } else { 0 }));
     println!(
         "degrees off by hit type, range, all channels, evidence; by gradient, proximity, deviation alone"
     );
     let mut within = [0; 7];
-    for look in &looks {
+    for observation in &observations {
         let off = [
-            look.off_by_channels(Weights::HIT_TYPE),
-            look.off_by_channels(alone(0)),
-            look.off_by_channels(Weights::EQUAL),
-            look.off_by_evidence(),
-            look.off_by_channels(alone(2)),
-            look.off_by_channels(alone(3)),
-            look.off_by_channels(alone(4)),
+            observation.off_by_channels(Weights::HIT_TYPE),
+            observation.off_by_channels(alone(0)),
+            observation.off_by_channels(Weights::EQUAL),
+            observation.off_by_evidence(),
+            observation.off_by_channels(alone(2)),
+            observation.off_by_channels(alone(3)),
+            observation.off_by_channels(alone(4)),
         ];
-        let [x, y] = [look.pose.position.x, look.pose.position.y];
+        let [x, y] = [observation.pose.position.x, observation.pose.position.y];
         println!("{x:5.1} {y:5.1}: {}", off.map(|off| format!("{off:6.1}")).join(" "));
         within.iter_mut().zip(off).for_each(|(count, off)| *count += usize::from(off <= TURN_DEG));
     }
-    println!("within {TURN_DEG} degrees: {within:?} of {}", looks.len());
+    println!("within {TURN_DEG} degrees: {within:?} of {}", observations.len());
     assert!(within.iter().zip(HEADINGS).all(|(found, least)| *found >= least), "{within:?}");
 }

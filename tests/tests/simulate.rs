@@ -1,4 +1,4 @@
-//! `compass simulate` as a script sees it.
+//! `compass simulate` as a script uses it.
 
 use compass_tests::{Folder, number};
 

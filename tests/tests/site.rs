@@ -1,4 +1,4 @@
-//! Site files from end to end: what is built, joined, told and searched.
+//! Site files from end to end: building, joining, printing and searching.
 
 use compass_core::base::num::Turn;
 use compass_core::base::scan::Scan;
@@ -43,7 +43,7 @@ fn the_layers_are_plan_and_structure() {
     let structure = scans(floor.map(), 1);
     let (plan, mut cast, mut kept) = (floor.plan(1).unwrap(), Scan::OPEN, Scan::OPEN);
     for (index, (drawn, structure)) in drawn.iter().zip(&structure).enumerate() {
-        // The structure only lacks walls, and its layer is what is cast from its plan.
+        // The structure only lacks walls, and its layer is cast from its own plan.
         assert!(structure.steps.iter().zip(&drawn.steps).all(|(s, d)| s >= d), "candidate {index}");
         plan.scan(floor.map().position(index).unwrap(), Turn::ZERO, &mut cast).unwrap();
         PackedScan::new(&cast).unpack(&mut kept);
@@ -99,7 +99,7 @@ fn a_site_tells_what_is_in_it() {
     assert_eq!(floors[0]["plan_bytes"], Value::from(plans));
     assert_eq!(number(&info["bytes"]), sample_site().len() as f64);
 
-    // A plain site map is one floor without a name and a plan; all else is the same.
+    // A plain site map is one floor without name and plan; everything else is the same.
     let plain = folder.json("map info sample.map");
     assert_eq!(plain["floors"][0]["name"], Value::Null);
     assert_eq!(plain["floors"][0]["plan_bytes"], Value::Array(Vec::new()));

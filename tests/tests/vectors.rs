@@ -1,6 +1,6 @@
-//! The sample files that all targets compute on are what the current code makes of the sample building.
+//! The sample files used by all targets match what the current code makes of the sample building.
 //!
-//! `targets/golden` bakes `vectors/` into its images. `REGENERATE=1 cargo test -p compass-tests --test vectors`
+//! `targets/golden` embeds `vectors/` in its images. `REGENERATE=1 cargo test -p compass-tests --test vectors`
 //! rewrites the files.
 
 use compass_core::map::plan::Plan;
@@ -18,7 +18,7 @@ use std::path::Path;
 
 const SPACING_M: f64 = 1.0;
 const CLEARANCE_M: f64 = 0.2;
-/// The files lie in the repository.
+/// The folder of the files in the repository.
 const MOST_BYTES: usize = 640_000;
 
 /// The packed plan of the sample building, and a site map of it.
@@ -38,7 +38,7 @@ fn compare(name: &str, bytes: &[u8]) {
     }
     println!("{name}: {} bytes", bytes.len());
     let committed = std::fs::read(&path).unwrap_or_default();
-    // Not assert_eq: it would print both.
+    // Not `assert_eq`, which would print both.
     let first = committed.iter().zip(bytes).position(|(a, b)| a != b);
     assert!(
         committed == bytes,

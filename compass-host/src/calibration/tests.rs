@@ -48,7 +48,7 @@ fn line(error: &CalibrationError) -> String {
     message
 }
 
-/// Loads the good file with `from` replaced by `to`, which must be refused with all of `named`.
+/// Loads the good file with `from` replaced by `to`, which must be rejected with all of `named`.
 fn refused(from: &str, to: &str, named: &[&str]) {
     assert!(GOOD.contains(from), "{from}");
     let message = line(&load(&GOOD.replacen(from, to, 1)).unwrap_err());

@@ -47,7 +47,7 @@ pub(super) struct UpArg {
 }
 
 impl UpArg {
-    /// The up vector in cam0: that given, or that of the frames.
+    /// The up vector in cam0: the given one, or that of the frames.
     pub(super) fn resolve(&self, segmented: &mut Segmented<'_, '_, '_>) -> Result<Bearing, SeeError> {
         self.with(UpFrom::Image, None).resolve(segmented)
     }
@@ -86,7 +86,7 @@ impl ImuArgs {
         }
     }
 
-    /// Gravity in the axes of cam0.
+    /// The up vector from the IMU, in the axes of cam0.
     fn load(&self, calibration: &Calibration) -> Result<Option<Gravity>> {
         let Some(path) = &self.imu else { return Ok(None) };
         let gravity = Readings::read(path)?.gravity(self.imu_seconds)?;
@@ -97,10 +97,10 @@ impl ImuArgs {
     }
 }
 
-/// How up is told.
+/// How to determine the up vector.
 pub(super) struct Up {
     given: Option<Bearing>,
-    /// What tells it where it is not given.
+    /// The sources used without a given up vector.
     pub(super) sources: UpSources,
 }
 
@@ -109,30 +109,30 @@ impl Up {
         self.given.is_some()
     }
 
-    /// Roughly up in cam0, as far as that is told without looking.
+    /// Approximate up vector in cam0, as far as it is known without the image.
     pub(super) fn hint(&self) -> Option<Bearing> {
         self.given.or_else(|| self.sources.hint())
     }
 
-    /// The up vector in cam0: that given, that of the IMU, or that of the frames.
+    /// The up vector in cam0: given, from the IMU, or from the frames.
     pub(super) fn resolve(&self, segmented: &mut Segmented<'_, '_, '_>) -> Result<Bearing, SeeError> {
         self.given.map_or_else(|| Ok(self.sources.resolve(segmented)?.0), Ok)
     }
 }
 
-/// What the options name.
+/// The inputs named by the options.
 pub(super) struct Taken {
     pub(super) calibration: Calibration,
     pub(super) frames: [Option<Frame>; 2],
     pub(super) up: Up,
-    /// Height of cam0 above the floor in metres, where it is known.
+    /// Height of cam0 above the floor in metres, if known.
     pub(super) height_m: Option<f32>,
     /// The files of the frames, for messages.
     pub(super) name: String,
 }
 
 impl Taken {
-    /// The rig for frames as they are.
+    /// The rig for frames of the given sizes.
     pub(super) fn rig(&self) -> Result<Rig> {
         let sizes = self.frames.each_ref().map(|frame| frame.as_ref().map(|f| (f.width(), f.height())));
         Ok(self.calibration.rig(sizes)?)
@@ -144,14 +144,14 @@ pub(super) struct Cameras {
     pub(super) frames: [Option<Frame>; 2],
     pub(super) rig: Rig,
     pub(super) up: Up,
-    /// Height of cam0 above the floor in metres, where it is known.
+    /// Height of cam0 above the floor in metres, if known.
     pub(super) height_m: Option<f32>,
     /// The files of the frames, for messages.
     pub(super) name: String,
 }
 
 impl Cameras {
-    /// What is known of the heights.
+    /// The prior of the heights.
     pub(super) fn heights(&self) -> HeightPrior {
         self.height_m.map_or(HeightPrior::UNKNOWN, HeightPrior::camera)
     }
@@ -187,7 +187,7 @@ impl CameraArgs {
     }
 }
 
-/// A height of the camera within what can be told apart.
+/// Parses a camera height within the supported range.
 pub(super) fn height(text: &str) -> Result<f32, String> {
     let [least, most] = HEIGHTS_M;
     let metres = finite(text)? as f32;
@@ -195,7 +195,7 @@ pub(super) fn height(text: &str) -> Result<f32, String> {
     if good { Ok(metres) } else { Err(format!("expected {least} to {most} metres")) }
 }
 
-/// Three finite numbers that are not all zero, `X,Y,Z`.
+/// Parses three finite numbers that are not all zero, `X,Y,Z`.
 pub(super) fn vector(text: &str) -> Result<[f64; 3], String> {
     let parts: Vec<_> = text.split(',').map(|part| finite(part.trim())).collect();
     match parts[..] {

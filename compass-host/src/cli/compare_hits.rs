@@ -1,4 +1,4 @@
-//! `compass compare-hits`: what the cameras see against what the plan says at a known pose.
+//! `compass compare-hits`: the observed hit types against those of the plan at a known pose.
 
 use super::cameras::CameraArgs;
 use super::exit::Outcome;
@@ -42,7 +42,7 @@ struct Output {
     agreeing_bins: Agreeing,
     cosine: Scores,
     centred: Scores,
-    /// Heading of the frames less the one given.
+    /// Heading of the frames less the given one.
     peak_shift_deg: i32,
 }
 
@@ -55,7 +55,7 @@ struct WindowBins {
 #[derive(Debug, Serialize)]
 struct Agreeing {
     count: usize,
-    /// Bins that the cameras see.
+    /// Number of observed bins.
     of: usize,
     share: Decimal,
 }

@@ -1,4 +1,4 @@
-//! The pictures of `--debug-dir`: what was found in camera frames, and what was considered.
+//! The pictures of `--debug-dir`: what was found in camera frames, and the candidates.
 
 use anyhow::Result;
 use compass_core::base::raster::GrayImage;
@@ -19,9 +19,9 @@ use compass_host::visual_descriptor::VisualDescriptor;
 use plotters::style::RGBColor;
 use std::path::Path;
 
-/// A segment whose middle is this near to a window's side in azimuth borders it, degrees ...
+/// Largest difference in azimuth between a segment's midpoint and the window side that it borders, degrees.
 const BESIDE_DEG: f32 = 0.75;
-/// ... if its own ends are no further apart in azimuth, degrees.
+/// Largest difference in azimuth between the ends of such a segment, degrees.
 const LEAN_DEG: f32 = 1.5;
 /// Lines along each side of a window.
 const SIDE: u8 = 16;
@@ -31,20 +31,20 @@ const RED: RGBColor = RGBColor(0xff, 0x20, 0x20);
 const BLUE: RGBColor = RGBColor(0x40, 0xa0, 0xff);
 const YELLOW: RGBColor = RGBColor(0xff, 0xd0, 0x00);
 
-/// What the finder in the level frame made of a pair of frames.
+/// The results of the window finder in the level frame for a pair of frames.
 pub(super) struct Found<'a> {
     pub(super) frames: [Option<&'a Frame>; 2],
     pub(super) rig: &'a Rig,
     /// Line segments of each frame.
     pub(super) segments: [Vec<Segment>; 2],
-    /// What the windows were chosen among.
+    /// The candidates from which the windows were selected.
     pub(super) considered: Considered,
     pub(super) level: LevelFrame,
     pub(super) windows: &'a [Window],
-    pub(super) sighting: &'a WindowEvidence,
-    /// What it comes to in metres, if that was measured.
+    pub(super) window_evidence: &'a WindowEvidence,
+    /// The descriptor with metric ranges, if it was computed.
     pub(super) descriptor: Option<&'a VisualDescriptor>,
-    /// What the plan says, if there is one.
+    /// The scan of the plan, if there is one.
     pub(super) plan: Option<&'a Scan>,
 }
 
@@ -58,7 +58,8 @@ impl Found<'_> {
             self.draw_segments(&dir.join(format!("cam{camera}_segments.png")), camera, frame, view)?;
             self.draw_windows(&dir.join(format!("cam{camera}_windows.png")), camera, frame, view)?;
         }
-        let (hit, known) = (&self.sighting.hit, self.sighting.confidence.sixteenths().map(|c| c > 0));
+        let (hit, known) =
+            (&self.window_evidence.hit, self.window_evidence.confidence.sixteenths().map(|c| c > 0));
         let Considered { panorama, resolution, boxes, edges } = &self.considered;
         let picture = RingPicture {
             ring: GrayImage::new(panorama, resolution.columns() as u32, resolution.rows() as u32)?,
@@ -95,12 +96,12 @@ impl Found<'_> {
             heights_m: [height.camera_m, height.ceiling_m - height.camera_m].map(f64::from),
             windows: &windows,
         };
-        figures::draw_panorama(path, &picture, |azimuth, elevation| self.look(azimuth, elevation))?;
+        figures::draw_panorama(path, &picture, |azimuth, elevation| self.colour(azimuth, elevation))?;
         Ok(())
     }
 
-    /// The colour in a direction of the level frame, in the frame of the camera whose axis is nearest.
-    fn look(&self, azimuth: f32, elevation: f32) -> Option<[u8; 3]> {
+    /// The colour in a direction of the level frame, from the camera whose axis is nearest.
+    fn colour(&self, azimuth: f32, elevation: f32) -> Option<[u8; 3]> {
         let point = self.level.bearing(azimuth, elevation) * NOMINAL_RANGE_M;
         let seen_by = |(camera, view): (usize, &View)| {
             let bearing = view.rotation.tr_mul(&(point - view.position)).normalize();
@@ -111,7 +112,7 @@ impl Found<'_> {
         nearest.map(|(_, colour)| colour)
     }
 
-    /// What was seen as a descriptor, unknown bins left out, and the plan's below it.
+    /// The observed descriptor without unknown bins, and the plan's below it.
     fn draw_descriptors(&self, path: &Path, descriptor: &VisualDescriptor) -> Result<()> {
         let mut seen = float_levels(&Descriptor::from(&descriptor.scan));
         for channel in &mut seen {
@@ -206,7 +207,7 @@ impl Found<'_> {
     }
 }
 
-/// An angle in degrees, brought to -180 to 180.
+/// An angle in degrees, wrapped to [-180, 180).
 fn turned(angle: f32) -> f32 {
     (angle + 180.0).rem_euclid(360.0) - 180.0
 }
@@ -225,7 +226,7 @@ pub(super) fn segments(dir: &Path, frame: &Frame, segments: &[Segment]) -> Resul
     Ok(())
 }
 
-/// Why the paper's finder rejects a proposal, in order of its checks: name and colour.
+/// Rejection reasons of the paper's finder, in the order of its checks: name and colour.
 const REJECTIONS: [(Rejection, &str, RGBColor); 6] = [
     (Rejection::Dark, "too dark", RGBColor(0x50, 0x50, 0xff)),
     (Rejection::LowContrast, "no brighter than beside", RGBColor(0x00, 0xc0, 0xd0)),
@@ -235,7 +236,7 @@ const REJECTIONS: [(Rejection, &str, RGBColor); 6] = [
     (Rejection::Suppressed, "overlaps a better one", YELLOW),
 ];
 
-/// Writes `camN_paper.png`: what the paper's finder considered in a frame, and what it chose.
+/// Writes `camN_paper.png`: the proposals of the paper's finder in a frame, and the accepted ones.
 pub(super) fn paper(dir: &Path, camera: usize, frame: &Frame, finder: &PaperFinder) -> Result<()> {
     create_dir(dir)?;
     let width = f64::from(frame.width());

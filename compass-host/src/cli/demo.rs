@@ -61,12 +61,12 @@ struct Truth {
     heading_deg: Decimal,
 }
 
-/// What the demo worked out.
+/// The results of the demo.
 struct Run {
     raster: PlanRaster,
     plan: PackedPlan,
     map: Vec<u8>,
-    /// As the plan says, and as the disturbed query has it.
+    /// The scan of the plan, and the disturbed query.
     clean: Scan,
     query: Scan,
     answer: Answer,
@@ -153,7 +153,7 @@ impl Demo {
 
 fn draw(dir: &Path, run: &Run, poses: &[Pose<'_>]) -> Result<()> {
     let (at, heading) = DEMO_POSE;
-    // For the other commands to read.
+    // Input files for the other commands.
     write_png(&dir.join("sample-building.png"), &sample::image(&sample::building()))?;
     pictures::describe(dir, &run.raster, at, heading, &PlanDescriptor::from(&run.clean))?;
     let matched = matched_scan(run)?;
@@ -175,7 +175,7 @@ fn draw(dir: &Path, run: &Run, poses: &[Pose<'_>]) -> Result<()> {
     draw_map(dir, run, poses)
 }
 
-/// The best candidate's scan, turned to the heading that was found.
+/// The best candidate's scan, rotated to the heading found.
 fn matched_scan(run: &Run) -> Result<Scan> {
     let map = run.map()?;
     let mut scan = Scan::OPEN;
@@ -189,7 +189,7 @@ fn matched_scan(run: &Run) -> Result<Scan> {
     Ok(scan)
 }
 
-/// Cosine of the hit types of two scans that look the same way.
+/// Cosine of the hit types of two scans with the same heading.
 fn hit_cosine(query: &Scan, other: &Scan, similarity: Similarity) -> f64 {
     let mut prepared = Box::new(Query::EMPTY);
     prepared.set(&Descriptor::from(query), &Confidence::CERTAIN, Weights::HIT_TYPE, similarity);

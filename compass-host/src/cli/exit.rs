@@ -1,9 +1,9 @@
-//! What a command came to, as the exit status of the process.
+//! The outcome of a command as the exit status of the process.
 
 use compass_host::locator::SeeError;
 use std::process::ExitCode;
 
-/// What the work came to.
+/// The outcome of the work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Outcome {
     /// Done.
@@ -19,7 +19,7 @@ enum Status {
     Done = 0,
     /// The work was done and its answer is "no".
     No = 1,
-    /// Bad input or usage; clap exits with the same for bad usage.
+    /// Bad input or usage; clap uses the same for bad usage.
     BadInput = 2,
 }
 
@@ -59,7 +59,7 @@ pub(super) fn code(result: anyhow::Result<Outcome>) -> ExitCode {
     ExitCode::from(status as u8)
 }
 
-/// The chain of causes in one line; a cause that the message before it already ends with is not repeated.
+/// The chain of causes in one line; a cause is skipped if the message before it already ends with it.
 fn one_line(error: &anyhow::Error) -> String {
     let mut text = String::new();
     for cause in error.chain() {

@@ -1,4 +1,4 @@
-//! `compass gravity`: which way is up, and how the building's axes lie.
+//! `compass gravity`: the up vector, and the horizontal axes of the building.
 
 mod pictures;
 
@@ -33,7 +33,7 @@ struct Output {
     up_in_cam0: Vec<Decimal>,
     roll_deg: Decimal,
     pitch_deg: Decimal,
-    /// What told up.
+    /// The source of the up vector.
     up_from: &'static str,
     #[serde(flatten)]
     image: Option<Image>,
@@ -44,16 +44,16 @@ struct Output {
     milliseconds: Decimal,
 }
 
-/// What speaks for the up vector in the image.
+/// The support of the up vector in the image.
 #[derive(Debug, Serialize)]
 struct Image {
     inliers: u16,
     inliers_per_camera: [u16; 2],
     /// Degrees of arc.
     support: Decimal,
-    /// The same of the next best direction.
+    /// The support of the next best direction, degrees of arc.
     runner_up: Decimal,
-    /// Support of the next best direction over that of the answer.
+    /// Ratio of the next best direction's support to that of the answer.
     ambiguity: Decimal,
     residual_deg: Decimal,
 }
@@ -72,7 +72,7 @@ struct Imu {
     samples: usize,
     /// Length of the mean reading, m/s^2.
     acceleration: Decimal,
-    /// Angle to what the image says.
+    /// Angle to the image's up vector, degrees.
     agreement_deg: Option<Decimal>,
 }
 
@@ -111,7 +111,7 @@ impl Gravity {
         let milliseconds = Decimal(start.elapsed().as_secs_f64() * 1e3);
         let (vertical, up) = match (found, cameras.up.sources.from, cameras.up.sources.imu) {
             (found, UpFrom::Imu, Some(gravity)) => (found.ok(), gravity.up.cast()),
-            // Where nothing upright is in view, gravity still is.
+            // Without vertical lines in view, gravity still gives the up vector.
             (Err(_), UpFrom::Both, Some(gravity)) => (None, gravity.up.cast()),
             (found, ..) => {
                 let vertical = found.with_context(|| cameras.name.clone())?;
@@ -119,7 +119,7 @@ impl Gravity {
             }
         };
         let segments = [0, 1].map(|camera| segmented.segments(camera).to_vec());
-        // An up vector that leaves no heading has no axes.
+        // Without a heading, an up vector has no horizontal axes.
         let levelled = segmented.level(&up).ok();
         let level = levelled.as_ref().map(|levelled| levelled.frame());
         let axes = levelled.and_then(|mut levelled| levelled.axes());

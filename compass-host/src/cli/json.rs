@@ -13,7 +13,7 @@ pub(super) struct JsonOption {
 }
 
 impl JsonOption {
-    /// Writes `result` as asked; without `--json` prints `summary` instead.
+    /// Writes `result` to the destination; without `--json` prints `summary` instead.
     ///
     /// With `--json FILE` the summary is printed as well; with `--json -` it is not.
     ///
@@ -32,7 +32,7 @@ impl JsonOption {
     }
 }
 
-/// Prints to standard output; a reader that went away is no error.
+/// Prints to standard output; a closed pipe is not an error.
 fn print(text: &str) -> Result<()> {
     use std::io::Write as _;
     match std::io::stdout().write_all(text.as_bytes()) {

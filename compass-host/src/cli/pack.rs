@@ -1,4 +1,4 @@
-//! `compass pack`: the frames of a rig as a board reads them.
+//! `compass pack`: packs the frames of a rig in the board's input format.
 
 use super::cameras::{CameraArgs, Taken};
 use super::exit::Outcome;
@@ -54,7 +54,7 @@ impl Pack {
                 "a board does not guess which side of cam0's image is up: tell with --mount, --up or --imu"
             );
         };
-        // Frames of another shape than the calibrated one are refused, before they are pressed into this size.
+        // Frames of another aspect ratio than the calibrated one are rejected before resizing would distort them.
         taken.rig()?;
         let [cam0, cam1] =
             taken.frames.each_ref().map(|frame| frame.as_ref().map(|f| self.shrink(&taken, f)));
@@ -93,7 +93,7 @@ impl Pack {
         Ok(bytes)
     }
 
-    /// Means over the blocks of pixels that become one.
+    /// Box-filter means over the pixels that become one.
     fn shrink(&self, taken: &Taken, frame: &Frame) -> Result<Small> {
         let (width, height) = self.size;
         if width > frame.width() || height > frame.height() {

@@ -9,7 +9,7 @@ use compass_host::plan_descriptor::PlanDescriptor;
 use compass_host::plan_import::PlanRaster;
 use std::path::Path;
 
-/// Calls `draw` with the plan as the figures want it.
+/// Calls `draw` with the plan in the form that the figures take.
 pub(super) fn with_plan<T>(raster: &PlanRaster, draw: impl FnOnce(&PlanPicture<'_>) -> T) -> T {
     let (walls, windows) = (raster.walls_mask(), raster.windows_mask());
     let (is_wall, is_window) = (|x: u32, y: u32| walls.get(x, y), |x: u32, y: u32| windows.get(x, y));

@@ -62,7 +62,7 @@ pub(super) struct PlanArgs {
 }
 
 impl PlanArgs {
-    /// The file, when one was named.
+    /// The file, if one was named.
     pub(super) fn path(&self) -> Option<&Path> {
         self.plan.as_deref().or(self.plan_option.as_deref())
     }
@@ -91,7 +91,7 @@ pub(super) struct PoseOnPlan {
 }
 
 impl PoseOnPlan {
-    /// The scan of the plan there, when it was named.
+    /// The scan of the plan at that pose, if it was named.
     pub(super) fn scan(&self) -> Result<Option<Scan>> {
         let (Some(path), Some(at), Some(heading)) = (&self.plan, self.at, self.heading) else {
             return Ok(None);
@@ -101,21 +101,21 @@ impl PoseOnPlan {
     }
 }
 
-/// Two finite numbers, `X,Y`.
+/// Parses two finite numbers, `X,Y`.
 pub(super) fn pair(text: &str) -> Result<[f64; 2], String> {
     let wanted = || format!("'{text}' is not two numbers X,Y");
     let (x, y) = text.split_once(',').ok_or_else(wanted)?;
     Ok([finite(x.trim()).map_err(|_| wanted())?, finite(y.trim()).map_err(|_| wanted())?])
 }
 
-/// Two whole numbers, `WxH`.
+/// Parses two whole numbers, `WxH`.
 pub(super) fn size(text: &str) -> Result<(u32, u32), String> {
     let sides = text.split_once('x').and_then(|(w, h)| w.parse().ok().zip(h.parse().ok()));
     let good = sides.filter(|(w, h)| (1..=20_000).contains(w) && (1..=20_000).contains(h));
     good.ok_or_else(|| format!("'{text}' is not WxH with sides of 1 to 20000 pixels"))
 }
 
-/// A finite number.
+/// Parses a finite number.
 pub(super) fn finite(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),

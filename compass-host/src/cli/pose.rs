@@ -1,4 +1,4 @@
-//! Poses and times as they are reported.
+//! Poses and times in the JSON results.
 
 use compass_core::descriptor::matching::Match;
 use compass_core::map::site_map::SiteMap;
@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 /// A pose with its score.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(super) struct Pose<'a> {
-    /// Where there are several.
+    /// Name of the floor, where there are several.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) floor: Option<&'a str>,
     pub(super) x: Decimal,
@@ -39,7 +39,7 @@ impl<'a> Pose<'a> {
     }
 }
 
-/// The time that each stage took, as it is reported.
+/// Milliseconds by stage.
 pub(super) fn milliseconds(clock: &Clock) -> BTreeMap<&'static str, Decimal> {
     clock.stages().iter().map(|(stage, ms)| (*stage, Decimal(*ms))).collect()
 }

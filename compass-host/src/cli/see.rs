@@ -1,4 +1,4 @@
-//! `compass see`: what the cameras see in every direction, as the descriptor that localization compares.
+//! `compass see`: observes hit type and range in every direction, as the descriptor used by localization.
 
 use super::cameras::{CameraArgs, Cameras};
 use super::debug::Found;
@@ -44,7 +44,7 @@ pub(super) struct See {
     json: JsonOption,
 }
 
-/// A window as it is reported.
+/// A window in the JSON result.
 #[derive(Debug, Serialize)]
 pub(super) struct WindowOutput {
     camera: &'static str,
@@ -52,7 +52,7 @@ pub(super) struct WindowOutput {
     pixels: Option<[Decimal; 4]>,
     azimuth_deg: [Decimal; 2],
     elevation_deg: [Decimal; 2],
-    /// Log odds that it is a window, nats; of the paper's finder its own score.
+    /// Log odds of being a window, nats; the paper's finder reports its own score.
     score: Decimal,
 }
 
@@ -70,8 +70,8 @@ impl WindowOutput {
 }
 
 impl WindowOutput {
-    /// A window of the paper's finder: its azimuths are those of the middles of its sides, its elevations those of the
-    /// middles of top and bottom.
+    /// A window of the paper's finder: azimuths at the midpoints of its sides, elevations at the midpoints of top and
+    /// bottom.
     pub(super) fn in_image(
         window: &ImageWindow,
         camera: usize,
@@ -88,7 +88,7 @@ impl WindowOutput {
         };
         let (left, right) = (direction(x0, y)?[0], direction(x1, y)?[0]);
         let (top, bottom) = (direction(x, y0)?[1], direction(x, y1)?[1]);
-        // An upside-down camera has the counter-clockwise end at its right.
+        // In an upside-down camera the counter-clockwise end is at the right.
         let turn = wrapped(left - right);
         let from = if turn >= 0.0 { right } else { left };
         Some(Self {
@@ -115,14 +115,14 @@ impl fmt::Display for WindowOutput {
 
 #[derive(Debug, Serialize)]
 struct Output {
-    /// The descriptor; where a range is not known, that of the nearest direction stands in.
+    /// The descriptor; an unknown range is replaced by that of the nearest direction.
     channels: Vec<Vec<Decimal>>,
     range_m: Vec<Option<Decimal>>,
     hit: Vec<Option<&'static str>>,
-    /// Of the descriptor's bins, 0 to 1.
+    /// Confidence of the descriptor's bins, 0 to 1.
     confidence: Vec<Decimal>,
     camera_height_m: Decimal,
-    /// `given`, or `assumed` for a room of usual height.
+    /// `given`, or `assumed` from a typical room height.
     camera_height: &'static str,
     ceiling_height_m: Decimal,
     /// Log odds of a window, nats.
@@ -130,7 +130,7 @@ struct Output {
     up_in_cam0: Vec<Decimal>,
     windows: Vec<WindowOutput>,
     truncated: bool,
-    /// By stage.
+    /// Milliseconds by stage.
     milliseconds: Milliseconds,
 }
 
@@ -152,13 +152,13 @@ impl See {
         let mut times = Vec::new();
         let mut last = None;
         for _ in 0..self.repeat {
-            let (seen, described) = look(&mut locator, &cameras).with_context(|| cameras.name.clone())?;
+            let (seen, described) = observe(&mut locator, &cameras).with_context(|| cameras.name.clone())?;
             let mut stages = locator.watch().milliseconds();
             *stages.entry("ranges").or_default() += described;
             times.push(stages);
             last = Some(seen);
         }
-        let Look { level, evidence, windows: chosen, descriptor } =
+        let Observation { level, evidence, windows: chosen, descriptor } =
             last.context("--repeat 0 looks at nothing")?;
         let (rig, resolution) = (*locator.rig(), locator.resolution());
         let windows: Vec<_> = chosen.iter().map(|w| WindowOutput::new(w, &rig, &level, resolution)).collect();
@@ -166,8 +166,8 @@ impl See {
             let (plan, descriptor) = (plan.as_ref(), Some(&descriptor));
             let segments = segments(&mut locator, frames)?;
             let considered = locator.watch().considered().context("the panorama was drawn")?;
-            let (rig, windows, sighting) = (&rig, &chosen, &evidence);
-            Found { frames, rig, segments, considered, level, windows, sighting, descriptor, plan }
+            let (rig, windows, window_evidence) = (&rig, &chosen, &evidence);
+            Found { frames, rig, segments, considered, level, windows, window_evidence, descriptor, plan }
                 .draw(dir)?;
         }
         let [segments, level_ms, windows_ms, ranges] =
@@ -193,16 +193,16 @@ impl See {
     }
 }
 
-/// What one pair of frames shows.
-struct Look {
+/// The observation of one pair of frames.
+struct Observation {
     level: LevelFrame,
     evidence: WindowEvidence,
     windows: Vec<Window>,
     descriptor: VisualDescriptor,
 }
 
-/// Looks once, and the milliseconds that the descriptor took.
-fn look(locator: &mut Locator<'_>, cameras: &Cameras) -> Result<(Look, f64), SeeError> {
+/// Observes once; also returns the milliseconds that the descriptor took.
+fn observe(locator: &mut Locator<'_>, cameras: &Cameras) -> Result<(Observation, f64), SeeError> {
     let mut segmented = locator.segment(cameras.frames.each_ref().map(Option::as_ref))?;
     let up = cameras.up.resolve(&mut segmented)?;
     let levelled = segmented.level(&up)?;
@@ -212,7 +212,7 @@ fn look(locator: &mut Locator<'_>, cameras: &Cameras) -> Result<(Look, f64), See
     let start = Instant::now();
     let descriptor = VisualDescriptor::of(&mut seen, cameras.heights());
     let described = start.elapsed().as_secs_f64() * 1e3;
-    Ok((Look { level, evidence, windows, descriptor }, described))
+    Ok((Observation { level, evidence, windows, descriptor }, described))
 }
 
 /// The segments of both frames.
@@ -224,7 +224,7 @@ pub(super) fn segments(
     Ok([0, 1].map(|camera| segmented.segments(camera).to_vec()))
 }
 
-/// The median over all repetitions of what a stage took.
+/// The median time of a stage over all repetitions.
 fn median(times: &[BTreeMap<&str, f64>], stage: &str) -> Decimal {
     let mut times: Vec<_> = times.iter().map(|stages| stages.get(stage).copied().unwrap_or(0.0)).collect();
     times.sort_by(f64::total_cmp);

@@ -106,7 +106,7 @@ impl Simulate {
         Ok(Outcome::Done)
     }
 
-    /// The cameras for frames of the size asked for, and the size of the first.
+    /// The cameras for frames of the requested size, and the size of the first.
     fn rig(&self, calibration: &Calibration) -> Result<(Rig, (u32, u32))> {
         let sizes = calibration.cameras.each_ref().map(|camera| {
             let calibrated = camera.as_ref()?.resolution;
@@ -129,7 +129,7 @@ impl Simulate {
         }
     }
 
-    /// The poses, if a camera in this building can have them.
+    /// The poses, if all of them are possible in this building.
     fn poses(&self, raster: &PlanRaster) -> Result<Vec<Pose>> {
         if !(1.0..=50.0).contains(&self.ceiling) {
             bail!("--ceiling is {} m; 1 to 50 are accepted", self.ceiling);
@@ -144,7 +144,7 @@ impl Simulate {
         Ok(poses)
     }
 
-    /// What is wrong with the place of a pose.
+    /// Why a camera cannot be at the position of a pose, if so.
     fn problem(&self, pose: &Pose, raster: &PlanRaster) -> Option<String> {
         let [x, y, z] = pose.position.into();
         let [x0, y0] = raster.origin;
@@ -166,7 +166,7 @@ impl Simulate {
     }
 }
 
-/// A number from 0 to 1.
+/// Parses a number from 0 to 1.
 fn share(text: &str) -> Result<f64, String> {
     finite(text)
         .ok()

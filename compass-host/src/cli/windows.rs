@@ -90,7 +90,7 @@ impl Windows {
         Ok(Outcome::Done)
     }
 
-    /// In the level frame.
+    /// The finder in the level frame.
     fn level(&self, frame: &Frame, locator: &mut Locator<'_>) -> Result<Output> {
         let name = || self.image.display().to_string();
         let frames = [0, 1].map(|camera| Some(frame).filter(|_| camera == self.camera.number()));
@@ -99,21 +99,21 @@ impl Windows {
         let levelled = segmented.level(&up).map_err(SeeError::from).with_context(name)?;
         let level = levelled.frame();
         let mut seen = see(levelled);
-        let (found, sighting) = (seen.windows().to_vec(), seen.window_evidence().clone());
+        let (found, window_evidence) = (seen.windows().to_vec(), seen.window_evidence().clone());
         let (rig, resolution) = (*locator.rig(), locator.resolution());
         if let Some(dir) = &self.debug_dir {
             let considered = locator.watch().considered().context("the panorama was drawn")?;
             let segments = segments(locator, frames)?;
-            let (rig, windows, sighting) = (&rig, &found, &sighting);
+            let (rig, windows, window_evidence) = (&rig, &found, &window_evidence);
             let (descriptor, plan) = (None, None);
-            Found { frames, rig, segments, considered, level, windows, sighting, descriptor, plan }
+            Found { frames, rig, segments, considered, level, windows, window_evidence, descriptor, plan }
                 .draw(dir)?;
         }
         let windows = found.iter().map(|w| WindowOutput::new(w, &rig, &level, resolution)).collect();
-        Ok(Output { windows, truncated: sighting.truncated })
+        Ok(Output { windows, truncated: window_evidence.truncated })
     }
 
-    /// In the image as it is; the up vector only says what azimuths are.
+    /// The finder in the unrectified image; the up vector only defines the azimuths.
     fn paper(&self, frame: &Frame, locator: &mut Locator<'_>) -> Result<Output> {
         let camera = self.camera.number();
         let name = || self.image.display().to_string();

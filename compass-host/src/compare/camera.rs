@@ -7,10 +7,10 @@ use compass_core::vision::camera::{
     ROUND_TRIP_PX,
 };
 
-/// Rings of the image circle that are looked at; not a divisor of anything.
+/// Sampled radii of the image circle; not a divisor of anything.
 const RINGS: u32 = 397;
 
-/// Directions in each ring.
+/// Sampled directions at each radius.
 const DIRECTIONS: u32 = 73;
 
 /// Share of the field in which bearings are compared; see [`BEARING_ERROR`].
@@ -24,10 +24,10 @@ struct Differences {
     round_trip_px: Vec<f64>,
 }
 
-/// An invented lens of either model, of the size and field of common ones: 200 degrees on 1440 pixels.
+/// An invented lens of either model, with a typical size and field: 200 degrees on 1440 pixels.
 ///
 /// # Panics
-/// Never: the parameters are sound.
+/// Never: the parameters are valid.
 #[must_use]
 pub fn nominal() -> Vec<Camera> {
     let intrinsics = Intrinsics { fx: 431.5, fy: 430.25, cx: 727.25, cy: 716.5 };
@@ -39,7 +39,7 @@ pub fn nominal() -> Vec<Camera> {
     ]
 }
 
-/// Projection, bearing and round trip for each model there is among `lenses`.
+/// Projection, bearing and round trip for each model present in `lenses`.
 #[must_use]
 pub fn stages(lenses: &[Camera]) -> Vec<Stage> {
     let names = [
@@ -81,7 +81,7 @@ impl Differences {
         }
     }
 
-    /// A refusal by the core counts as an infinite difference, except on the rim, where rounding decides.
+    /// A rejection by the core counts as an infinite difference, except on the rim, where rounding decides.
     fn add_ray(&mut self, lens: &Camera, reference: &Reference, theta: f64, azimuth: f64) {
         let limit = f64::from(lens.max_angle());
         let bearing =
@@ -116,7 +116,7 @@ fn distance(found: Pixel, exact: [f64; 2]) -> f64 {
     (f64::from(found.x) - exact[0]).hypot(f64::from(found.y) - exact[1])
 }
 
-/// The angle between two bearings in radians, without the cosine, which small angles are lost in.
+/// The angle between two bearings in radians, avoiding the cosine, which cannot resolve small angles.
 fn between(found: &Bearing, exact: [f64; 3]) -> f64 {
     let chord: f64 = (0..3).map(|i| (f64::from(found[i]) - exact[i]).powi(2)).sum();
     2.0 * (0.5 * chord.sqrt()).asin()
@@ -158,7 +158,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(500))]
 
-        /// The bounds hold for lenses that nobody would grind, on the pixels of a large image.
+        /// The bounds hold for unrealistic lenses as well, on the pixels of a large image.
         #[test]
         fn any_lens_is_in_bounds(lens in any_lens()) {
             let reference = Reference::from(&lens);

@@ -9,7 +9,7 @@ use crate::reference::segments as reference;
 use crate::simulate::{Renderer, Scene, SceneOptions};
 use compass_core::vision::segments::{Parameters, SEGMENT_COVERAGE, Segment};
 
-/// Segments correspond within this distance and angle.
+/// Segments match within this distance and angle.
 const DISTANCE_PX: f64 = 2.0;
 const ANGLE_DEG: f64 = 5.0;
 /// Size of the frame, pixels.
@@ -17,7 +17,7 @@ const FRAME: (u32, u32) = (736, 720);
 /// Height of the camera above the floor, metres.
 const HEIGHT_M: f64 = 1.6;
 
-/// Poses looked from.
+/// Number of poses.
 const POSES: usize = 3;
 
 /// The smoothed image, and the share of either detector's segment length that the other finds, in frames of the plan
@@ -31,7 +31,7 @@ pub fn stages(raster: &PlanRaster, seed: u64) -> Result<Vec<Stage>, CompareError
     let renderer = Renderer::new(&scene, &rig, None);
     let mut detector = SegmentDetector::new(FRAME.0, FRAME.1);
     let mut smoothed = vec![];
-    // Length found by the other, and length, of the core's and of the reference's.
+    // Matched length and total length, of the core's and of the reference's segments.
     let mut lengths = [[0.0; 2]; 2];
     for (x, y, heading) in super::interior_poses(raster, POSES, seed)? {
         let pose = Pose::looking(0, [x, y, HEIGHT_M], heading, 8.0, 185.0);
@@ -109,7 +109,7 @@ mod tests {
     fn coverage_counts_length() {
         let a = [[[0.0, 0.0], [10.0, 0.0]], [[0.0, 50.0], [0.0, 60.0]]];
         let b = [[[15.0, 1.0], [5.0, 1.0]]];
-        // Pieces in the first's second half, and those that the end of the other reaches within 2 px.
+        // Pieces in the first's second half, and those within 2 px of the other's end.
         assert!((coverage(&a, &b) - 0.3).abs() < 0.06, "{}", coverage(&a, &b));
         assert!((coverage(&b, &a) - 0.6).abs() < 0.11, "{}", coverage(&b, &a));
         assert!((coverage(&[], &a) - 1.0).abs() < 1e-12);

@@ -24,21 +24,21 @@ use compass_core::vision::windows::segment_parameters;
 const FRAME: (u32, u32) = (736, 720);
 /// Height of the camera above the floor, metres.
 const HEIGHT_M: f64 = 1.6;
-/// Poses looked from.
+/// Number of poses.
 const POSES: usize = 3;
 
-/// Differences of all poses.
+/// Differences over all poses.
 #[derive(Debug, Default)]
 struct Differences {
     up_deg: Vec<f64>,
-    /// Cells whose edges are alike, and cells.
+    /// Cells with equal edges, and all cells.
     edges: [usize; 2],
     evidence: Vec<f64>,
     ratios: Vec<f64>,
 }
 
 /// Up vector, edges, their support and the likelihood of ranges at random interior poses of the plan. Each step of the
-/// reference begins with what the core made of the step before.
+/// reference starts from the core's result of the step before.
 ///
 /// # Errors
 /// A plan without interior.
@@ -86,8 +86,8 @@ impl Differences {
 
     fn add_ranges(&mut self, rig: &Rig, images: &[GrayImage<'_>; 2], level: LevelFrame) {
         let [mut edges, mut support] = [(); 2].map(|()| vec![0; boundary::CELLS]);
-        // Given up before it has finished, a surveyor leaves the edges as they were drawn.
-        let drawn = survey(rig, images, level, [&mut edges, &mut support]).map(drop);
+        // A finder dropped before it has finished leaves the raw edges.
+        let drawn = boundary_finder(rig, images, level, [&mut edges, &mut support]).map(drop);
         let raw = edges.clone();
         let known = |edge: &u8| (*edge > 0).then(|| f64::from(*edge) - 1.0);
         let exact = real::edges(rig, images.each_ref().map(Some), level.up().cast());
@@ -97,8 +97,10 @@ impl Differences {
             self.edges = [self.edges[0] + usize::from(alike), self.edges[1] + 1];
         }
         let mut ranges = Box::new(RangeLikelihoods::EMPTY);
-        if let (Some(()), Some(surveyor)) = (drawn, survey(rig, images, level, [&mut edges, &mut support])) {
-            surveyor.finish().likeliest(None, &mut ranges);
+        if let (Some(()), Some(finder)) =
+            (drawn, boundary_finder(rig, images, level, [&mut edges, &mut support]))
+        {
+            finder.finish().likeliest(None, &mut ranges);
         }
         let nats: Vec<_> = support.iter().map(|cell| f64::from(SupportNats::from_bits(*cell))).collect();
         let exact = real::support(&raw.iter().map(known).collect::<Vec<_>>());
@@ -106,7 +108,7 @@ impl Differences {
         let ceiling = (ranges.ceiling_ratio().ln() / RUNG).round() as isize;
         let exact = real::log_ratios(&nats, ceiling);
         for (rung, exact) in exact.chunks_exact(real::BINS).enumerate() {
-            // Seen from this height the core's rungs are the reference's.
+            // At this height the core's rungs are the reference's.
             let row = ranges.row(rung, LEAD).iter().zip(exact).enumerate();
             let known = row.filter(|(bin, _)| ranges.knows(*bin));
             self.ratios.extend(known.map(|(_, (core, exact))| (f64::from(*core) - exact).abs()));
@@ -126,19 +128,19 @@ impl Differences {
     }
 }
 
-/// The height, in rungs, whose ladder begins at the first of all rungs.
+/// The height, in rungs, at which the ladder starts at rung 0.
 const LEAD: i8 = 9;
 
-/// A surveyor that was shown both frames.
-fn survey<'a, 'r>(
+/// A finder that has processed both frames.
+fn boundary_finder<'a, 'r>(
     rig: &'r Rig,
     images: &[GrayImage<'_>; 2],
     level: LevelFrame,
     [edges, support]: [&'a mut [u8]; 2],
 ) -> Option<BoundaryFinder<'a, 'r>> {
-    let mut surveyor = BoundaryFinder::new(boundary::Buffers { edges, support }, rig, level)?;
+    let mut finder = BoundaryFinder::new(boundary::Buffers { edges, support }, rig, level)?;
     for (camera, image) in images.iter().enumerate() {
-        surveyor.add(camera, image, ExclusionMask::Unknown);
+        finder.add(camera, image, ExclusionMask::Unknown);
     }
-    Some(surveyor)
+    Some(finder)
 }

@@ -5,17 +5,17 @@ use crate::image_file::ImageFileError;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// Why a recording could not be read: one line, with the file and the place at fault.
+/// Why a recording could not be read: one line that names the file and the place at fault.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum DatasetError {
-    /// A list cannot be read, or a line of it is no frame or reading.
+    /// A list cannot be read, or one of its lines is not a frame or reading.
     #[error(transparent)]
     Lines(#[from] LinesError),
     /// A frame cannot be read.
     #[error(transparent)]
     Image(#[from] ImageFileError),
-    /// The folder, or a file of a bag, is not as it should be.
+    /// The folder, or a file of a bag, is malformed.
     #[error("{}: {problem}", path.display())]
     Bad {
         /// The folder or file.

@@ -1,21 +1,21 @@
 //! Recordings in the `EuRoC` layout: `cam0/data.csv` lists the frames of `cam0/data`, likewise `cam1`;
 //! `imu0/data.csv` has the readings of an IMU.
 //!
-//! A line of a list is `timestamp [ns],filename`; blank lines and lines that begin with `#` are passed over.
+//! A line of a list is `timestamp [ns],filename`; blank lines and lines that begin with `#` are skipped.
 
 use super::imu::Readings;
 use super::lines::{self, LinesError};
 use super::pairs::List;
 use std::path::{Path, PathBuf};
 
-/// The frames of cam0 and cam1 and the readings of the IMU, as far as they are there.
+/// The frames of cam0 and cam1 and the readings of the IMU, as far as they exist.
 pub(super) fn read(dir: &Path) -> Result<([List<PathBuf>; 2], Option<Readings>), LinesError> {
     let imu = dir.join("imu0").join("data.csv");
     let readings = imu.exists().then(|| Readings::read(&imu)).transpose()?;
     Ok(([list(dir, "cam0")?, list(dir, "cam1")?], readings))
 }
 
-/// The frames of one camera; none if the recording lacks it.
+/// The frames of one camera; empty if the recording lacks it.
 fn list(dir: &Path, camera: &str) -> Result<List<PathBuf>, LinesError> {
     let path = dir.join(camera).join("data.csv");
     if !path.exists() {

@@ -1,8 +1,8 @@
 //! Accelerometer readings, and the direction of gravity in them.
 //!
-//! A line of a file, as `EuRoC` datasets have it (`imu0/data.csv`), is
-//! `timestamp [ns], w_RS_S_x, w_RS_S_y, w_RS_S_z [rad s^-1], a_RS_S_x, a_RS_S_y, a_RS_S_z [m s^-2]`. Blank lines and lines
-//! that begin with `#` are passed over. At rest an accelerometer reads 9.81 upwards.
+//! A line of a file, as `EuRoC` datasets have it (`imu0/data.csv`), is `timestamp [ns], w_RS_S_x, w_RS_S_y, w_RS_S_z
+//! [rad s^-1], a_RS_S_x, a_RS_S_y, a_RS_S_z [m s^-2]`. Blank lines and lines that begin with `#` are skipped. At rest
+//! an accelerometer reads 9.81 upwards.
 
 use super::lines::{self, LinesError};
 use crate::calibration::Calibration;
@@ -10,21 +10,21 @@ use nalgebra::Vector3;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// What a mean reading may be away from [`GRAVITY`], m/s^2: more is no gravity, but motion or another unit.
+/// Largest deviation of a mean reading from [`GRAVITY`], m/s^2: a larger one means motion or another unit.
 const ODD: f64 = 1.0;
 /// Standard gravity, m/s^2.
 pub const GRAVITY: f64 = 9.806_65;
 
-/// Why readings do not tell where up is: one line, with the file.
+/// Why readings give no up vector: one line that names the file.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ImuError {
-    /// No reading in the time asked for.
+    /// No reading in the requested time span.
     #[error("{}: no reading{}", path.display(), span.map(between).unwrap_or_default())]
     Empty {
-        /// The file, or what else they are from.
+        /// The file, or another name of the source.
         path: PathBuf,
-        /// First and last second asked for, if any were.
+        /// First and last second of the requested span, if there was one.
         span: Option<[f64; 2]>,
     },
     /// The mean is not gravity.
@@ -33,7 +33,7 @@ pub enum ImuError {
         path.display()
     )]
     NoGravity {
-        /// The file, or what else they are from.
+        /// The file, or another name of the source.
         path: PathBuf,
         /// Length of the mean, m/s^2.
         length: f64,
@@ -56,7 +56,7 @@ pub struct Gravity {
 }
 
 impl Gravity {
-    /// The same in the axes of cam0; `None` if the calibration does not say how IMU and cam0 lie to each other.
+    /// The up vector in the axes of cam0; `None` if the calibration has no extrinsics of the IMU.
     #[must_use]
     pub fn in_cam0(&self, calibration: &Calibration) -> Option<Self> {
         let rotation = calibration.cameras[0].as_ref()?.from_imu?;
@@ -64,26 +64,26 @@ impl Gravity {
     }
 }
 
-/// A reading of the accelerometer.
+/// An accelerometer reading.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Reading {
-    /// Time of the IMU's clock, nanoseconds.
+    /// Time by the IMU's clock, nanoseconds.
     pub timestamp_ns: u64,
-    /// In the axes of the IMU, m/s^2; finite.
+    /// Acceleration in the axes of the IMU, m/s^2; finite.
     pub acceleration: Vector3<f64>,
 }
 
 /// The readings of a recording.
 #[derive(Debug, Clone)]
 pub struct Readings {
-    /// The file, or what else they are from.
+    /// The file, or another name of the source.
     path: PathBuf,
-    /// In the order of time.
+    /// In order of time.
     readings: Vec<Reading>,
 }
 
 impl Readings {
-    /// Readings from elsewhere, in any order; messages call them `path`.
+    /// Readings from another source, in any order; messages name it `path`.
     #[must_use]
     pub fn new(path: PathBuf, mut readings: Vec<Reading>) -> Self {
         readings.sort_by_key(|reading| reading.timestamp_ns);
@@ -93,7 +93,7 @@ impl Readings {
     /// Reads a file.
     ///
     /// # Errors
-    /// [`LinesError`]: a file that cannot be read, or a line that is no reading.
+    /// [`LinesError`]: a file that cannot be read, or a line that is not a reading.
     pub fn read(path: &Path) -> Result<Self, LinesError> {
         let mut readings = Vec::new();
         lines::visit(path, |line| {
@@ -103,7 +103,7 @@ impl Readings {
         Ok(Self::new(path.to_path_buf(), readings))
     }
 
-    /// The mean of all readings, or of those from the first to the second of `span`, in seconds of their clock.
+    /// The mean of all readings, or of those within `span`: its first and last second by their clock.
     ///
     /// # Errors
     /// [`ImuError`]: no reading at all, or a mean that is not gravity.
@@ -114,7 +114,7 @@ impl Readings {
         self.mean(self.readings.iter().filter(is_asked_for), span)
     }
 
-    /// The mean of the readings at most `reach_ns` away from a time, both in nanoseconds of their clock.
+    /// The mean of the readings within `reach_ns` of a time, both in nanoseconds of their clock.
     ///
     /// # Errors
     /// [`ImuError`]: no reading there, or a mean that is not gravity.

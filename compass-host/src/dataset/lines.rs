@@ -1,9 +1,9 @@
-//! Text files of a record per line: blank lines and lines that begin with `#` are passed over.
+//! Text files with one record per line: blank lines and lines that begin with `#` are skipped.
 
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// Why a file of lines could not be read: one line, with the file and the line at fault.
+/// Why a file of lines could not be read: one line that names the file and the line at fault.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum LinesError {
@@ -12,10 +12,10 @@ pub enum LinesError {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         source: std::io::Error,
     },
-    /// A line is no record.
+    /// A line is not a valid record.
     #[error("{}:{line}: {problem}", path.display())]
     Line {
         /// The file.
@@ -27,7 +27,7 @@ pub enum LinesError {
     },
 }
 
-/// Hands the records of a file to `take`, trimmed and in order, until one is refused with what is wrong with it.
+/// Passes the records of a file to `take`, trimmed and in order, until it rejects one with an error.
 pub(super) fn visit(path: &Path, mut take: impl FnMut(&str) -> Result<(), String>) -> Result<(), LinesError> {
     let bytes =
         std::fs::read(path).map_err(|source| LinesError::Read { path: path.to_path_buf(), source })?;

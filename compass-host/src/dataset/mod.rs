@@ -1,4 +1,4 @@
-//! Recordings and what belongs to them.
+//! Recordings, their trajectories and their IMU readings.
 
 #[cfg(feature = "bag")]
 mod bag;

@@ -2,20 +2,20 @@
 
 use std::collections::BTreeMap;
 
-/// Half the spacing of frames when there is but one, nanoseconds.
+/// Half the spacing of frames when there is only one, nanoseconds.
 const ALONE_NS: u64 = 25_000_000;
 
 /// The frames of one camera by time, nanoseconds.
 pub(super) type List<T> = BTreeMap<u64, T>;
 
-/// Pairs the frames of cam0 and cam1, each with the nearest in time if that is within half the spacing of the frames;
-/// frames without such a partner stand alone. In the order of time, which is cam0's where it has a frame.
+/// Pairs each frame of cam0 with the nearest frame of cam1 in time, if that is within half the spacing of the frames;
+/// frames without such a partner stay single. In order of time, which is cam0's where it has a frame.
 pub(super) fn pair<T: Clone>([cam0, cam1]: &[List<T>; 2]) -> Vec<(u64, [Option<T>; 2])> {
     let reach = half_spacing(cam0).max(half_spacing(cam1));
     let partner = |of: &List<T>, time: u64| nearest(of, time).filter(|other| other.abs_diff(time) <= reach);
     let mut pairs = Vec::new();
     for (&time, frame) in cam0 {
-        // Only where each is the other's nearest, so that no frame is used twice.
+        // Only mutual nearest neighbours, so that no frame is used twice.
         let other = partner(cam1, time).filter(|&other| nearest(cam0, other) == Some(time));
         pairs.push((time, [Some(frame.clone()), other.and_then(|other| cam1.get(&other).cloned())]));
     }
@@ -26,7 +26,7 @@ pub(super) fn pair<T: Clone>([cam0, cam1]: &[List<T>; 2]) -> Vec<(u64, [Option<T
     pairs
 }
 
-/// The time of the nearest frame, the earlier of two.
+/// The time of the nearest frame, the earlier one of two.
 fn nearest<T>(list: &List<T>, time: u64) -> Option<u64> {
     let before = list.range(..=time).next_back();
     let after = list.range(time..).next();

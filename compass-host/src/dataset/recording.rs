@@ -1,5 +1,5 @@
-//! A recording: pairs of frames in time, and an accelerometer beside them, from a folder in the `EuRoC` layout or
-//! from a ROS 2 bag. Frames are decoded when they are needed.
+//! A recording: pairs of frames in time, and accelerometer readings, from a folder in the `EuRoC` layout or from a ROS
+//! 2 bag. Frames are decoded on demand.
 
 #[cfg(feature = "bag")]
 use super::bag;
@@ -13,24 +13,24 @@ use crate::frame::Frame;
 use crate::progress::{Progress, Silent};
 use std::path::{Path, PathBuf};
 
-/// What tells a bag from other folders.
+/// The file that distinguishes a bag from other folders.
 const METADATA: &str = "metadata.yaml";
 
-/// The frames of one moment.
+/// The frames of one instant.
 #[derive(Debug, Clone)]
 pub struct Shot {
-    /// Time of the frame of cam0, of cam1 where there is none, in nanoseconds.
+    /// Time of the frame of cam0, or of cam1 without one, in nanoseconds.
     pub timestamp_ns: u64,
-    /// The frames of cam0 and cam1; at least one is there.
+    /// The frames of cam0 and cam1; at least one exists.
     pub images: [Option<Source>; 2],
 }
 
-/// Where a frame is.
+/// The location of a frame.
 #[derive(Debug, Clone)]
 pub enum Source {
-    /// In a file of its own.
+    /// A file of its own.
     File(PathBuf),
-    /// In a bag.
+    /// A message of a bag.
     #[cfg(feature = "bag")]
     Message(bag::Message),
 }
@@ -39,7 +39,7 @@ impl Source {
     /// Reads and decodes the frame.
     ///
     /// # Errors
-    /// [`DatasetError`] with the file and, in a bag, topic and time of a frame that is not there or damaged.
+    /// [`DatasetError`] with the file and, in a bag, topic and time of a missing or damaged frame.
     pub fn read(&self) -> Result<Frame, DatasetError> {
         match self {
             Self::File(path) => Ok(Frame::read(path)?),
@@ -48,7 +48,7 @@ impl Source {
         }
     }
 
-    /// Tells this frame from others, and from what may later be in its place.
+    /// Identifies this frame among others, and detects that its data were replaced.
     #[must_use]
     pub fn identity(&self) -> String {
         match self {
@@ -66,16 +66,16 @@ impl Source {
 pub struct Recording {
     /// In the order of time.
     pub shots: Vec<Shot>,
-    /// The accelerometer, where there is one.
+    /// The accelerometer, if there is one.
     pub imu: Option<Readings>,
-    /// What was taken from a bag.
+    /// The topics that were read from a bag.
     pub topics: Option<Topics>,
 }
 
 impl Recording {
-    /// Reads what a recording consists of, and pairs the frames of the cameras: each with the nearest in time if that
-    /// is within half the spacing of the frames; frames without such a partner stand alone. The topics of a bag are those
-    /// that `topics` names, else those of the calibration, else the only ones there are.
+    /// Reads the index of a recording and pairs the frames of the cameras: each with the nearest in time if that is
+    /// within half the spacing of the frames; frames without such a partner stay single. The topics of a bag are those
+    /// that `topics` names, else those of the calibration, else the only candidates.
     ///
     /// # Errors
     /// [`DatasetError`]: a file that cannot be read or is damaged, a list that names a missing file, a bag without the
@@ -88,7 +88,7 @@ impl Recording {
         Self::read_with_progress(dir, topics, calibration, &Silent)
     }
 
-    /// [`Recording::read`], showing its progress.
+    /// [`Recording::read`] with progress reports.
     ///
     /// # Errors
     /// As [`Recording::read`].
@@ -148,7 +148,7 @@ fn read_bag(
     Err(DatasetError::bad(dir, "a ROS 2 bag, and this program was built without the feature 'bag'"))
 }
 
-/// What is wrong with a folder that has neither lists nor metadata.
+/// The error for a folder that has neither lists nor metadata.
 fn no_frames(dir: &Path) -> String {
     let is_of_bag = |path: PathBuf| {
         path.extension()

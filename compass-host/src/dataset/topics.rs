@@ -3,19 +3,19 @@
 use crate::calibration::Calibration;
 use std::str::FromStr;
 
-/// The topics of cam0, cam1 and the IMU, as far as they are used.
+/// The topics of cam0, cam1 and the IMU; `None` for one that is not used.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Topics {
-    /// Of cam0 and cam1.
+    /// Topics of cam0 and cam1.
     pub cameras: [Option<String>; 2],
-    /// Of the IMU.
+    /// Topic of the IMU.
     pub imu: Option<String>,
 }
 
 impl FromStr for Topics {
     type Err = String;
 
-    /// `CAM0,CAM1,IMU`; what is empty or left off is not used.
+    /// Parses `CAM0,CAM1,IMU`; an empty or omitted part is not used.
     fn from_str(text: &str) -> Result<Self, String> {
         let names: Vec<_> = text.split(',').map(str::trim).collect();
         let name = |at: usize| names.get(at).filter(|name| !name.is_empty()).map(|name| (*name).to_owned());
@@ -36,7 +36,7 @@ impl std::fmt::Display for Topics {
 }
 
 impl From<&Calibration> for Topics {
-    /// What a calibration names.
+    /// The topics that a calibration names.
     fn from(calibration: &Calibration) -> Self {
         let camera = |number: usize| calibration.cameras[number].as_ref()?.topic.clone();
         Self { cameras: [camera(0), camera(1)], imu: calibration.imu_topic.clone() }

@@ -1,4 +1,4 @@
-//! Trajectories between their poses.
+//! Trajectories with interpolation between their poses.
 
 use super::tum::{self, Pose, TumError};
 use crate::site::wrapped;
@@ -7,20 +7,20 @@ use std::path::Path;
 
 /// Poses farther apart than this are not interpolated, nanoseconds.
 const GAP_NS: u64 = 1_000_000_000;
-/// Beside a gap, the nearest pose stands in up to this far, nanoseconds.
+/// Outside an interpolated interval, the nearest pose is used up to this far, nanoseconds.
 const NEAR_NS: u64 = 20_000_000;
 
-/// Poses in the order of time, of which none have the same.
+/// Poses in order of time, without duplicate times.
 #[derive(Debug, Clone)]
 pub struct Trajectory {
     poses: Vec<Pose>,
 }
 
 impl Trajectory {
-    /// Reads TUM lines, in any order; of two poses at one time the first counts.
+    /// Reads TUM lines, in any order; of two poses at one time the first is kept.
     ///
     /// # Errors
-    /// [`TumError`]: a file that cannot be read or holds no pose, or a line that is none.
+    /// [`TumError`]: a file that cannot be read or has no pose, or a line that is not a pose.
     pub fn read(path: &Path) -> Result<Self, TumError> {
         let mut poses = tum::read(path)?;
         poses.sort_by_key(|pose| pose.timestamp_ns);
@@ -43,7 +43,7 @@ impl Trajectory {
         nearest.filter(|p| p.timestamp_ns.abs_diff(timestamp_ns) <= NEAR_NS).copied()
     }
 
-    /// How cam0 moved from one time to another, if the trajectory's z points up.
+    /// The motion of cam0 from one time to another, provided that the trajectory's z points up.
     #[must_use]
     pub fn motion(&self, from_ns: u64, to_ns: u64) -> Option<Motion> {
         let (from, to) = (self.at(from_ns)?, self.at(to_ns)?);
@@ -62,7 +62,7 @@ impl Trajectory {
 fn between(before: &Pose, after: &Pose, timestamp_ns: u64) -> Pose {
     let whole = (after.timestamp_ns - before.timestamp_ns) as f64;
     let share = (timestamp_ns - before.timestamp_ns) as f64 / whole;
-    // Half a turn apart there is no shortest way.
+    // Half a turn apart the shortest path is undefined.
     let nearest = if share < 0.5 { before } else { after };
     let rotation = before.rotation.try_slerp(&after.rotation, share, 1e-9).unwrap_or(nearest.rotation);
     Pose { timestamp_ns, position: before.position.lerp(&after.position, share), rotation }

@@ -1,6 +1,6 @@
 //! Trajectories as TUM lines, `timestamp tx ty tz qx qy qz qw`: seconds, metres, camera 0 to map.
 //!
-//! Blank lines and lines that begin with `#` are passed over. Timestamps keep their nanoseconds.
+//! Blank lines and lines that begin with `#` are skipped. Timestamps keep their nanoseconds.
 
 use super::lines::{self, LinesError};
 use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
@@ -8,20 +8,20 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// Largest departure of a quaternion's length from 1: two decimals must have been written.
+/// Largest deviation of a quaternion's norm from 1: allows for values rounded to two decimals.
 const UNIT: f64 = 0.02;
 
 /// Nanoseconds in a second.
 const NANOSECONDS: u64 = 1_000_000_000;
 
-/// Why a trajectory could not be read: one line, with the file and the line at fault.
+/// Why a trajectory could not be read: one line that names the file and the line at fault.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum TumError {
-    /// The file cannot be read, or a line is no pose.
+    /// The file cannot be read, or a line is not a pose.
     #[error(transparent)]
     Lines(#[from] LinesError),
-    /// The file holds no pose at all.
+    /// The file has no pose.
     #[error("{}: no pose in it; lines of 'timestamp tx ty tz qx qy qz qw' are needed", path.display())]
     Empty {
         /// The file.
@@ -29,21 +29,21 @@ pub enum TumError {
     },
 }
 
-/// Where camera 0 was: x right, y down, z forward in it; x right, y up, z up in the map.
+/// A pose of camera 0: x right, y down, z forward in the camera; x right, y up, z up in the map.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pose {
     /// Time in nanoseconds.
     pub timestamp_ns: u64,
-    /// The camera in the map, metres.
+    /// Position of the camera in the map, metres.
     pub position: Vector3<f64>,
-    /// Turns directions in the camera into directions in the map.
+    /// Rotates directions in the camera into directions in the map.
     pub rotation: UnitQuaternion<f64>,
 }
 
 impl Pose {
-    /// The pose at `position` (metres) with the optical axis towards `heading_deg` (counter-clockwise from
-    /// +x), raised by `pitch_deg`, and the camera then turned by `roll_deg` about its axis, clockwise as it
-    /// looks: at 0 it is upright, at 180 it hangs upside down.
+    /// The pose at `position` (metres) with the optical axis towards `heading_deg` (counter-clockwise from +x), raised
+    /// by `pitch_deg`, and the camera then rolled by `roll_deg` clockwise about its forward axis: at 0 it is upright,
+    /// at 180 upside down.
     #[must_use]
     pub fn looking(
         timestamp_ns: u64,
@@ -52,7 +52,7 @@ impl Pose {
         pitch_deg: f64,
         roll_deg: f64,
     ) -> Self {
-        // Columns: right, down and forward of an upright camera that looks along +x.
+        // Columns: right, down and forward of an upright camera facing +x.
         let upright = Matrix3::new(0.0, 0.0, 1.0, -1.0, 0.0, 0.0, 0.0, -1.0, 0.0);
         let turn = |axis: Vector3<f64>, degrees: f64| {
             let half = degrees.to_radians() / 2.0;
@@ -74,7 +74,7 @@ impl Pose {
         libm::atan2(forward.y, forward.x).to_degrees()
     }
 
-    /// The map's up in the camera.
+    /// The map's up vector in the camera.
     #[must_use]
     pub fn up_in_camera(&self) -> Vector3<f64> {
         self.rotation.inverse() * Vector3::z()
@@ -122,7 +122,7 @@ impl Pose {
     }
 }
 
-/// Nanoseconds of a decimal number of seconds, exact unless it has an exponent.
+/// Nanoseconds from a decimal number of seconds, exact unless it has an exponent.
 fn nanoseconds(text: &str) -> Option<u64> {
     let (whole, fraction) = text.split_once('.').unwrap_or((text, ""));
     let digits = |part: &str| part.bytes().all(|byte| byte.is_ascii_digit());
@@ -138,15 +138,15 @@ fn nanoseconds(text: &str) -> Option<u64> {
 /// Reads a trajectory, in the order of its lines.
 ///
 /// # Errors
-/// [`TumError`]: a file that cannot be read or holds no pose, or a line that is none.
+/// [`TumError`]: a file that cannot be read or has no pose, or a line that is not a pose.
 pub fn read(path: &Path) -> Result<Vec<Pose>, TumError> {
     read_checked(path, |_| Ok(()))
 }
 
-/// Reads a trajectory and puts each pose to a check, which says what is wrong with it.
+/// Reads a trajectory and applies a check to each pose, which returns what is wrong with it.
 ///
 /// # Errors
-/// As [`read`], and [`LinesError::Line`] for a pose that does not pass the check.
+/// As [`read`], and [`LinesError::Line`] for a pose that fails the check.
 pub fn read_checked(
     path: &Path,
     mut check: impl FnMut(&Pose) -> Result<(), String>,
@@ -161,7 +161,7 @@ pub fn read_checked(
     if poses.is_empty() { Err(TumError::Empty { path: path.to_path_buf() }) } else { Ok(poses) }
 }
 
-/// The text of a trajectory.
+/// Formats a trajectory as text.
 #[must_use]
 pub fn text<'a>(poses: impl IntoIterator<Item = &'a Pose>) -> String {
     let mut text = String::from("# timestamp tx ty tz qx qy qz qw\n");
@@ -221,7 +221,7 @@ mod tests {
         let forward = upright.rotation * Vector3::z();
         assert!((forward.z - 10f64.to_radians().sin()).abs() < 1e-9, "raised");
         assert!(upright.up_in_camera().y < -0.98);
-        // Clockwise as it looks: what was right goes down.
+        // Clockwise about the forward axis: the camera's right moves down.
         let rolled = Pose::looking(0, [0.0; 3], 0.0, 0.0, 10.0);
         assert!((rolled.rotation * Vector3::x()).z < -0.1);
     }

@@ -9,7 +9,7 @@ use crate::output::OutputError;
 use std::path::PathBuf;
 use thiserror::Error;
 
-/// Why an evaluation stopped: one line, with the file at fault.
+/// Why an evaluation stopped: one line that names the file at fault.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum EvaluateError {
@@ -28,10 +28,10 @@ pub enum EvaluateError {
     /// A picture or the report cannot be drawn or written.
     #[error(transparent)]
     Figure(#[from] FigureError),
-    /// A file of evidence is no image.
+    /// A stored evidence file is not an image.
     #[error(transparent)]
     Image(#[from] ImageFileError),
-    /// A file of evidence holds another image.
+    /// A stored evidence file holds an image of another layout.
     #[error("{}: no evidence", .0.display())]
     NoEvidence(PathBuf),
     /// The journal cannot be read.
@@ -39,7 +39,7 @@ pub enum EvaluateError {
     ReadJournal {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         source: std::io::Error,
     },
     /// The journal cannot be written.
@@ -47,19 +47,19 @@ pub enum EvaluateError {
     WriteJournal {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         source: std::io::Error,
     },
-    /// A record is no JSON.
+    /// A record cannot be serialized as JSON.
     #[error(transparent)]
     Json(#[from] serde_json::Error),
     /// The threads could not be started.
     #[error(transparent)]
     Threads(#[from] rayon::ThreadPoolBuildError),
-    /// A frame was passed over.
+    /// A frame has no record after all workers ended.
     #[error("a frame has no result")]
     NoResult,
 }
 
-/// What the steps of an evaluation return.
+/// The result of an evaluation step.
 pub(super) type Result<T, E = EvaluateError> = std::result::Result<T, E>;

@@ -1,7 +1,8 @@
-//! What was seen in a frame as a gray picture: a column per direction.
+//! The evidence of a frame as a gray image: one column per azimuth bin.
 //!
-//! From the top: evidence of edges of the floor and of the ceiling by rung of range, as a [`BoundaryEvidence`] has it; whether
-//! range and hit type are known; the log odds of a window: high byte and low byte of the bits of [`LogOdds`] plus 2^15.
+//! Rows from the top: evidence of floor and ceiling boundaries by range rung, in the layout of [`BoundaryEvidence`]; a
+//! mask of known ranges and hit types; the log odds of a window: high byte, then low byte, of the bits of [`LogOdds`]
+//! plus 2^15.
 
 use super::error::{EvaluateError, Result};
 use crate::image_file::{self, Samples};
@@ -15,51 +16,52 @@ use compass_core::vision::windows::WindowEvidence;
 use image::ImageEncoder as _;
 use std::path::Path;
 
-/// Rows below the survey's.
+/// Rows below those of the boundary evidence.
 const EXTRA: usize = 4;
-/// Rows of the picture.
+/// Rows of the image.
 const ROWS: usize = CELLS / BINS + EXTRA;
-/// What log odds are counted from.
+/// Offset that makes log odds unsigned.
 const MIDDLE: i32 = 1 << 15;
 
-/// What was seen in a frame, for whatever height of camera and ceiling.
+/// The evidence of a frame, independent of the heights of camera and ceiling.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Evidence {
-    /// [`ROWS`] of [`BINS`].
+    /// [`ROWS`] rows of [`BINS`] bytes.
     rows: Vec<u8>,
 }
 
 impl Evidence {
-    /// Keeps what matching needs.
+    /// Copies what the search needs.
     #[must_use]
-    pub fn new(survey: &BoundaryEvidence<'_>, sighting: &WindowEvidence) -> Self {
-        let odds = sighting.evidence.map(|odds| (i32::from(odds.to_bits()) + MIDDLE) as u16);
-        let mut rows = survey.cells().to_vec();
-        rows.extend(survey.known().map(u8::from));
-        rows.extend(sighting.confidence.sixteenths());
+    pub fn new(boundaries: &BoundaryEvidence<'_>, windows: &WindowEvidence) -> Self {
+        let odds = windows.evidence.map(|odds| (i32::from(odds.to_bits()) + MIDDLE) as u16);
+        let mut rows = boundaries.cells().to_vec();
+        rows.extend(boundaries.known().map(u8::from));
+        rows.extend(windows.confidence.sixteenths());
         rows.extend(odds.map(|odds| (odds >> 8) as u8));
         rows.extend(odds.map(|odds| odds as u8));
         Self { rows }
     }
 
-    /// Of frames.
+    /// The evidence of observed frames.
     ///
     /// # Panics
-    /// Never: what was seen has its boundaries.
+    /// Never: observed frames have their boundary evidence.
     #[must_use]
     pub fn of(seen: &mut Seen<'_, '_>) -> Self {
         let windows = seen.window_evidence().clone();
         Self::new(&seen.boundaries().expect("frames that were seen have boundaries"), &windows)
     }
 
-    /// The evidence of ranges.
+    /// The boundary evidence.
     #[must_use]
     pub fn boundaries(&self) -> BoundaryEvidence<'_> {
         let known = self.row(0).map(|known| known > 0);
-        BoundaryEvidence::new(&self.rows[..CELLS], known).expect("as many cells as a survey has")
+        BoundaryEvidence::new(&self.rows[..CELLS], known)
+            .expect("the stored rows have the size of the evidence")
     }
 
-    /// The hit types; windows themselves are not kept.
+    /// The window evidence by bin; the windows themselves are not stored.
     #[must_use]
     pub fn windows(&self) -> WindowEvidence {
         let (high, low) = (self.row(2), self.row(3));
@@ -74,13 +76,13 @@ impl Evidence {
         }
     }
 
-    /// One of the rows below the survey's.
+    /// One of the rows below the boundary evidence.
     fn row(&self, number: usize) -> [u8; BINS] {
         let rows = self.rows[CELLS..].as_chunks::<BINS>().0;
         rows[number]
     }
 
-    /// Writes it as a PNG file.
+    /// Writes a PNG file.
     ///
     /// # Errors
     /// Names the file.
@@ -92,7 +94,7 @@ impl Evidence {
         Ok(write_file(path, &png)?)
     }
 
-    /// Reads what was written so.
+    /// Reads a file written by [`Self::write`].
     ///
     /// # Errors
     /// Names the file.
@@ -114,9 +116,9 @@ mod tests {
     fn what_was_seen_round_trips() {
         let cells: Vec<u8> = (0..CELLS).map(|at| (at * at / 7) as u8).collect();
         let known = std::array::from_fn(|bin| bin % 3 > 0);
-        let survey = BoundaryEvidence::new(&cells, known).unwrap();
+        let boundaries = BoundaryEvidence::new(&cells, known).unwrap();
         let evidence = std::array::from_fn(|bin| LogOdds::from_bits(bin as i16 * 5 - 1024));
-        let sighting = WindowEvidence {
+        let windows = WindowEvidence {
             hit: evidence.map(|odds: LogOdds| if odds > LogOdds::ZERO { Hit::Window } else { Hit::Wall }),
             confidence: Confidence::new(&std::array::from_fn(|bin| (bin % 17) as u8)),
             evidence,
@@ -124,10 +126,10 @@ mod tests {
         };
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("1.png");
-        Evidence::new(&survey, &sighting).write(&path).unwrap();
+        Evidence::new(&boundaries, &windows).write(&path).unwrap();
         let back = Evidence::read(&path).unwrap();
-        assert_eq!(back.boundaries().cells(), survey.cells());
-        assert_eq!(back.boundaries().known(), survey.known());
-        assert_eq!(back.windows(), sighting);
+        assert_eq!(back.boundaries().cells(), boundaries.cells());
+        assert_eq!(back.boundaries().known(), boundaries.known());
+        assert_eq!(back.windows(), windows);
     }
 }

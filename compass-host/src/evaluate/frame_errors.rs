@@ -1,22 +1,22 @@
-//! One frame of an evaluation with its errors, as the report shows it.
+//! The errors of one frame, as the report shows them.
 
-/// One frame for the report. Errors are infinite without a pose, and not a number without a truth.
+/// One frame for the report. Errors are infinite without a pose, and NaN without ground truth.
 #[derive(Debug, Clone)]
 pub struct FrameErrors {
     /// The time of the frame.
     pub timestamp_ns: u64,
-    /// Where it truly was, metres.
+    /// True position, metres.
     pub truth: Option<[f64; 2]>,
-    /// Where it was found by itself, on the floor that is shown.
+    /// Position from the single frame, on the floor that is shown.
     pub single: Option<[f64; 2]>,
-    /// Where the track had it, on the floor that is shown.
+    /// Position from the track, on the floor that is shown.
     pub track: Option<[f64; 2]>,
-    /// Position and heading error by row of the table: metres.
+    /// Position errors by row of the error table, metres.
     pub metres: Vec<f64>,
-    /// The same in degrees.
+    /// Heading errors by row of the error table, degrees.
     pub degrees: Vec<f64>,
-    /// By how many nats the single answer leads.
+    /// Lead of the single frame's pose over the best one elsewhere, nats.
     pub margin: f64,
-    /// Why nothing was seen.
+    /// Why the frame gave no evidence.
     pub problem: Option<String>,
 }

@@ -1,4 +1,4 @@
-//! What to localize, and with what.
+//! The inputs of an evaluation.
 
 use crate::calibration::Calibration;
 use crate::dataset::imu::{Gravity, Readings};
@@ -7,34 +7,34 @@ use crate::site_file::SiteFloor;
 use crate::up::Mount;
 use std::path::{Path, PathBuf};
 
-/// Readings of the accelerometer this far from a frame tell gravity, nanoseconds: half a second in all, about a step of
-/// somebody who walks, so that the ups and downs of the step cancel.
+/// Accelerometer readings within this time of a frame are averaged for gravity, nanoseconds: half a second in all, about
+/// a step of a walking person, so that the accelerations of the step cancel.
 const GRAVITY_REACH_NS: u64 = 250_000_000;
 
-/// What to localize, and with what.
+/// The inputs of an evaluation.
 #[derive(Debug)]
 pub struct Job<'a> {
     /// The floors.
     pub floors: &'a [SiteFloor<'a>],
     /// The cameras.
     pub calibration: &'a Calibration,
-    /// Which side of cam0's image is up; the accelerometer overrules it.
+    /// Which side of cam0's image is up; the accelerometer takes precedence.
     pub mount: Mount,
-    /// The accelerometer, where there is one.
+    /// The accelerometer, if there is one.
     pub imu: Option<&'a Readings>,
-    /// Height of cam0 above the floor in metres, where it is known.
+    /// Height of cam0 above the floor in metres, if known.
     pub height_m: Option<f32>,
-    /// Where cam0 was.
+    /// Ground truth: the trajectory of cam0.
     pub truth: &'a Trajectory,
-    /// The number of the floor that the truth lies on.
+    /// Index of the floor of the ground truth.
     pub floor: usize,
-    /// Where evidence is kept.
+    /// The folder for evidence files.
     pub evidence: &'a Path,
 }
 
 impl Job<'_> {
-    /// What the accelerometer says of gravity at the time of a frame, in the axes of cam0; `None` without one, where the
-    /// calibration does not tell how it lies, and where it moves too much.
+    /// The up vector from the accelerometer at the time of a frame, in the axes of cam0; `None` without an
+    /// accelerometer, without IMU extrinsics in the calibration, or under too much acceleration.
     #[must_use]
     pub fn gravity(&self, timestamp_ns: u64) -> Option<Gravity> {
         let shift_s = self.calibration.cameras[0].as_ref()?.timeshift_s;
@@ -42,7 +42,7 @@ impl Job<'_> {
         self.imu?.gravity_near(time_ns, GRAVITY_REACH_NS).ok()?.in_cam0(self.calibration)
     }
 
-    /// The file that keeps the evidence of a frame.
+    /// The evidence file of a frame.
     #[must_use]
     pub fn evidence_file(&self, timestamp_ns: u64) -> PathBuf {
         self.evidence.join(format!("{timestamp_ns}.png"))

@@ -18,8 +18,8 @@ pub struct Journal {
 }
 
 impl Journal {
-    /// Opens a journal for frames with these fingerprints. What is in the file but has another fingerprint, is not
-    /// `whole` or is no line of a journal is dropped.
+    /// Opens a journal for frames with these fingerprints. Lines are dropped that have another fingerprint, are not
+    /// `whole` or cannot be parsed.
     ///
     /// # Errors
     /// Names the file.
@@ -53,13 +53,13 @@ impl Journal {
         Ok(Self { path: path.to_path_buf(), fingerprints, inner: Mutex::new((file, records)) })
     }
 
-    /// How many records there are.
+    /// Number of records.
     #[must_use]
     pub fn len(&self) -> usize {
         self.lock().1.len()
     }
 
-    /// Whether there is none.
+    /// Whether there are no records.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
@@ -85,7 +85,7 @@ impl Journal {
         Ok(())
     }
 
-    /// A panic elsewhere leaves whole lines.
+    /// A panic of another thread leaves only whole lines.
     fn lock(&self) -> MutexGuard<'_, (File, HashMap<u64, Record>)> {
         self.inner.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -96,20 +96,20 @@ impl Journal {
 pub struct Fingerprint(u64);
 
 impl Fingerprint {
-    /// Of this version of the program.
+    /// A hash seeded with the version of this program.
     #[must_use]
     pub fn new() -> Self {
         Self(0xcbf2_9ce4_8422_2325).of(env!("CARGO_PKG_VERSION").as_bytes())
     }
 
-    /// With these bytes and their number.
+    /// Adds these bytes and their number.
     #[must_use]
     pub fn of(self, bytes: &[u8]) -> Self {
         let step = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
         Self(bytes.iter().chain(&(bytes.len() as u64).to_le_bytes()).fold(self.0, step))
     }
 
-    /// As text.
+    /// The hash as hexadecimal text.
     #[must_use]
     pub fn text(self) -> String {
         format!("{:016x}", self.0)

@@ -1,4 +1,4 @@
-//! Frames held against the truth.
+//! Frames compared with the ground truth.
 
 use super::frame_errors::FrameErrors;
 use super::record::{Found, PAPER, Record};
@@ -8,15 +8,15 @@ use crate::dataset::tum::Pose;
 use compass_core::pose::track::Estimate;
 use std::collections::BTreeMap;
 
-/// The ways of localizing, in the order of the report.
+/// The localization methods, in the order of the report.
 pub const ROWS: [&str; 7] = ["single", "track", "oracle", PAPER[0].0, PAPER[1].0, PAPER[2].0, PAPER[3].0];
 
-/// A frame with its truth and all that is off.
+/// A frame with its ground truth and its errors.
 #[derive(Debug)]
 pub struct JudgedFrame<'a> {
-    /// What came of it.
+    /// The record of the frame.
     pub record: &'a Record,
-    /// The track after it.
+    /// The track estimate after the frame.
     pub estimate: Option<&'a Estimate>,
     /// The pose of the track.
     pub track: Option<Found>,
@@ -24,12 +24,12 @@ pub struct JudgedFrame<'a> {
     pub truth: Option<Pose>,
     /// The errors by row of [`ROWS`].
     pub misses: [Misses; ROWS.len()],
-    /// Knows the true floor.
+    /// Compares layers with the true floor.
     pub judge: &'a Judge<'a>,
 }
 
 impl<'a> JudgedFrame<'a> {
-    /// Holds a record and the track against the truth.
+    /// Compares a record and the track with the ground truth.
     #[must_use]
     pub fn new(
         record: &'a Record,
@@ -71,7 +71,7 @@ impl<'a> JudgedFrame<'a> {
     }
 }
 
-/// How many frames have their up vector from the image, the IMU or both, by [`UpFrom::name`](crate::up::UpFrom::name).
+/// Number of frames by source of the up vector, keyed by [`UpFrom::name`](crate::up::UpFrom::name).
 #[must_use]
 pub fn count_up_sources(frames: &[JudgedFrame<'_>]) -> BTreeMap<&'static str, usize> {
     let mut counts = BTreeMap::new();
@@ -81,7 +81,7 @@ pub fn count_up_sources(frames: &[JudgedFrame<'_>]) -> BTreeMap<&'static str, us
     counts
 }
 
-/// Mean milliseconds by stage, each over the frames that reached it, and of a step of the track.
+/// Mean milliseconds by stage, each over the frames that reached it, and by step of the track.
 #[must_use]
 pub fn mean_milliseconds(frames: &[JudgedFrame<'_>], track_ms: f64) -> Vec<(String, f64)> {
     let mut sums: BTreeMap<&str, (f64, usize)> = BTreeMap::new();

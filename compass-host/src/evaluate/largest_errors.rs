@@ -10,12 +10,12 @@ use compass_core::vision::camera::Pixel;
 use image::{Rgb, RgbImage};
 use std::path::Path;
 
-/// How many of them are shown.
+/// Number of frames that are drawn.
 const PICTURES: usize = 3;
 /// Width of each of the two frames in a picture, pixels.
 const WIDTH: u32 = 480;
 
-/// The frames with a truth, the worst of the frames by themselves first.
+/// The frames with ground truth, those with the largest single-frame errors first.
 #[must_use]
 pub fn by_error(frames: &[FrameErrors]) -> Vec<&FrameErrors> {
     let mut frames: Vec<&FrameErrors> = frames.iter().filter(|frame| frame.truth.is_some()).collect();
@@ -42,7 +42,7 @@ pub fn draw(dir: &Path, frames: &[FrameErrors], shots: &[Shot]) -> Result<Vec<Pi
     Ok(pictures)
 }
 
-/// Frames beside each other, each [`WIDTH`] wide; a camera that was not there is dark.
+/// Frames side by side, each [`WIDTH`] wide; a missing camera is dark.
 fn beside(images: &[Option<Frame>; 2]) -> RgbImage {
     let height = |frame: &Frame| (WIDTH * frame.height()).div_ceil(frame.width());
     let tallest = images.iter().flatten().map(height).max().unwrap_or(1);

@@ -1,11 +1,11 @@
-//! Localizing a recording, frame by frame and as a sequence, and holding the answers against the truth.
+//! Localizes a recording, frame by frame and as a sequence, and compares the poses with the ground truth.
 //!
 //! frames -> one [`Record`] each, on all cores, kept in a [`Journal`] so that an interrupted run continues ->
-//! the [track](sequence::follow) -> [`Row`]s of errors, one for each way of localizing.
+//! the [track](sequence::follow) -> [`Row`]s of errors, one per localization method.
 //!
-//! Beside the answer from the frame there are two more for each frame. The *oracle* is the same search with evidence
-//! that the plan itself gives at the true pose: what it loses the matcher loses. The *paper's* is the five-channel
-//! cosine of the descriptor of what was seen.
+//! Each frame is also localized in two more ways. The *oracle* runs the same search on evidence computed from the plan
+//! at the true pose: its failures are the search's own. The *paper's* method is the five-channel cosine of the
+//! observed descriptor.
 
 mod error;
 mod evidence_file;

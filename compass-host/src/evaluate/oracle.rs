@@ -1,4 +1,4 @@
-//! Evidence that the plan itself gives.
+//! Evidence computed from the plan itself.
 
 use compass_core::base::ladder::RANGE_RUNGS;
 use compass_core::base::num::Nats;
@@ -6,13 +6,13 @@ use compass_core::base::scan::Scan;
 use compass_core::pose::evidence::EvidenceTable;
 use compass_core::pose::{PLANES, plane_of};
 
-/// Of the right plane, of each rung away from it, and at least.
+/// Evidence of the right hit type at the right rung, its decrease per rung, and its minimum, nats.
 const RIGHT: Nats = Nats::lit("2.5");
 const PER_RUNG: Nats = Nats::lit("0.75");
 const WRONG: Nats = Nats::lit("-1");
 
-/// Writes what an eye would that sees a scan as it is: 2.5 nat for the right hit type at the right rung, less by the
-/// distance in rungs, -1 nat for all else.
+/// Writes the evidence of an ideal observer of a scan: 2.5 nat for the right hit type at the right rung, decreasing
+/// with the distance in rungs, -1 nat for everything else.
 pub fn sharp(scan: &Scan, table: &mut EvidenceTable) {
     for (bin, (&steps, &hit)) in scan.steps.iter().zip(&scan.hit).enumerate() {
         let seen = plane_of(steps, hit);

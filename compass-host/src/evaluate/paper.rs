@@ -1,7 +1,7 @@
-//! The paper's matching of what cameras saw: the cosine over the bins that were seen, at all headings of all candidates.
+//! The paper's matching of observed descriptors: the cosine over the observed bins, at all headings of all candidates.
 //!
-//! In double precision and by `rustfft`, in all [`PAPER`] ways at once: the norm of a candidate under a mask depends on
-//! the heading, so that the core's bounds do not hold, and its exact sums take seconds.
+//! In double precision with `rustfft`, in all [`PAPER`] ways at once: under a mask the norm of a candidate depends on
+//! the heading, so that the core's bounds do not hold, and exact sums take seconds.
 
 use super::record::PAPER;
 use compass_core::base::confidence::Confidence;
@@ -19,10 +19,10 @@ use std::sync::Arc;
 /// Two real signals around the circle, as real and imaginary parts.
 type Signals = [Complex64; BINS];
 
-/// Squared norms of less than this share of what they are differences of are 0.
+/// Squared norms below this share of the terms they are differences of are rounding noise and count as 0.
 const NO_CONTRAST: f64 = 1e-9;
 
-/// What was seen, its transforms, and room for those of a candidate.
+/// The query with its transforms, and buffers for those of a candidate.
 pub struct Paper {
     forward: Arc<dyn Fft<f64>>,
     inverse: Arc<dyn Fft<f64>>,
@@ -32,19 +32,19 @@ pub struct Paper {
     sums: Box<Sums>,
 }
 
-/// What was seen.
+/// The query: an observed descriptor.
 struct Query {
     /// The conjugate transforms of the mask and of the masked values.
     mask: Box<Signals>,
     values: [Box<Signals>; CHANNELS],
-    /// Sums of the mask, of masked values and of masked squares.
+    /// Sums of the mask, of the masked values and of their squares.
     total: f64,
     sums: [f64; CHANNELS],
     /// The squared norm in each of the [`PAPER`] ways; 0 without contrast.
     norms: [f64; PAPER.len()],
 }
 
-/// Sums over the bins that were seen, by channel and shift.
+/// Sums over the observed bins, by channel and shift.
 struct Sums {
     products: [[f64; BINS]; CHANNELS],
     values: [[f64; BINS]; CHANNELS],
@@ -77,8 +77,8 @@ impl Default for Paper {
 }
 
 impl Paper {
-    /// The best candidate and heading in each of the [`PAPER`] ways; of equals the first. A way in which nothing has a
-    /// score above 0 finds nothing.
+    /// The best candidate and heading in each of the [`PAPER`] ways; the first of equal ones. `None` for a way without
+    /// a score above 0.
     pub fn best(
         &mut self,
         map: &SiteMap<'_>,
@@ -131,10 +131,10 @@ impl Paper {
         }
     }
 
-    /// Fills in the sums of a candidate.
+    /// Computes the sums of a candidate.
     fn gather(&mut self, query: &Query, profile: &Profile) {
         for (channel, values) in profile.values.iter().enumerate() {
-            // Values and squares as the two parts of one signal.
+            // Values and squares as real and imaginary part of one signal.
             let mut pair: Signals = from_fn(|bin| {
                 let value = f64::from(values[bin]);
                 Complex64::new(value, value * value)
@@ -149,7 +149,7 @@ impl Paper {
                 self.inverse.process_with_scratch(signals, &mut self.scratch);
             }
             for bin in 0..BINS {
-                // The query's bin i lies over the candidate's bin i + shift.
+                // Bin i of the query meets bin i + shift of the candidate.
                 let [masked, product] = [masked[bin], product[bin]].map(|part| part / BINS as f64);
                 self.sums.values[channel][bin] = masked.re;
                 self.sums.squares[channel][bin] = masked.im;
@@ -184,8 +184,8 @@ impl Query {
     }
 }
 
-/// The squared norm of a side in one of the [`PAPER`] ways, from the sum of the mask and per channel those of squares and
-/// values; 0 without contrast.
+/// The squared norm of one side in one of the [`PAPER`] ways, from the sum of the mask and the sums of squares and
+/// values per channel; 0 without contrast.
 fn norm(way: usize, total: f64, sums: impl Fn(usize) -> [f64; 2]) -> f64 {
     let (_, similarity, weights) = PAPER[way];
     let (mut norm, mut whole) = (0.0, 0.0);
@@ -218,7 +218,7 @@ mod tests {
         (plan, map)
     }
 
-    /// The best score of all, in exact integers.
+    /// The best score over all candidates, in exact integers.
     fn exact(map: &SiteMap<'_>, scan: &Scan, seen: &Confidence, way: usize) -> Match {
         let (_, similarity, weights) = PAPER[way];
         let mut query = Box::new(ExactQuery::EMPTY);

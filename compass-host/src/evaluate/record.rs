@@ -1,4 +1,4 @@
-//! What came of one frame, as a line of JSON.
+//! The results of one frame, as a line of JSON.
 
 use crate::up::UpFrom;
 use compass_core::base::num::{Metres, Nats, Point, Turn};
@@ -7,7 +7,7 @@ use compass_core::pose::{Alternatives, ScoredPose};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Ways of matching with the paper's cosine: by name, similarity and channel weights.
+/// Variants of the paper's matching: name, similarity and channel weights.
 pub const PAPER: [(&str, Similarity, Weights); 4] = [
     ("paper, plain", Similarity::Plain, Weights::EQUAL),
     ("paper, centred", Similarity::Centred, Weights::EQUAL),
@@ -15,10 +15,10 @@ pub const PAPER: [(&str, Similarity, Weights); 4] = [
     ("paper, range", Similarity::Centred, Weights::RANGE),
 ];
 
-/// A pose that was found, to the bit.
+/// A pose, exact to the bit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Found {
-    /// Number of the layer.
+    /// Index of the layer.
     pub layer: u8,
     /// Bits of [`Metres`].
     pub x: i64,
@@ -26,45 +26,45 @@ pub struct Found {
     pub y: i64,
     /// Bits of [`Turn`].
     pub heading: u32,
-    /// Bits of [`Nats`]; of a cosine its bits.
+    /// Bits of [`Nats`]; of a cosine, its own bits.
     pub score: i32,
 }
 
-/// What came of one frame.
+/// The results of one frame.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Record {
     /// The time of the frame.
     pub timestamp_ns: u64,
-    /// What it was made from: hexadecimal.
+    /// Fingerprint of the inputs, hexadecimal.
     pub fingerprint: String,
-    /// Why nothing could be seen.
+    /// Why the frame gave no evidence.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub problem: Option<String>,
     /// The up vector in cam0.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub up: Option<[f32; 3]>,
-    /// What told it.
+    /// The source of the up vector.
     #[serde(default)]
     pub up_from: UpFrom,
-    /// Height of cam0 above the floor in metres: that given, or that found.
+    /// Height of cam0 above the floor in metres: given or estimated.
     pub height_m: f32,
-    /// The same in rungs.
+    /// The same height in rungs.
     pub height: i8,
-    /// By how many rungs the ceiling is higher above the camera than the floor below it.
+    /// Rungs by which the ceiling is higher above the camera than the floor is below it.
     pub ceiling: i8,
-    /// The frame by itself: the best pose and its alternatives.
+    /// The single frame's best pose and its alternatives.
     pub single: Vec<Found>,
-    /// The same search with what the plan says at the true pose.
+    /// The poses of the same search on evidence computed from the plan at the true pose.
     pub oracle: Vec<Found>,
-    /// The best by the paper's cosine, in each of the [`PAPER`] ways.
+    /// The best match by the paper's cosine, in each of the [`PAPER`] ways.
     pub paper: [Option<Found>; PAPER.len()],
-    /// By stage.
+    /// Milliseconds by stage.
     pub milliseconds: BTreeMap<String, f64>,
 }
 
 impl From<&ScoredPose> for Found {
-    fn from(mode: &ScoredPose) -> Self {
-        let ScoredPose { layer, at, heading, score } = *mode;
+    fn from(scored: &ScoredPose) -> Self {
+        let ScoredPose { layer, at, heading, score } = *scored;
         Self {
             layer,
             x: at.x.to_bits(),
@@ -84,7 +84,7 @@ impl From<&Found> for ScoredPose {
 }
 
 impl Found {
-    /// All poses of an answer.
+    /// All poses of a result.
     #[must_use]
     pub fn all(alternatives: &Alternatives) -> Vec<Self> {
         alternatives.poses().iter().map(Self::from).collect()
@@ -104,7 +104,7 @@ impl Found {
 }
 
 impl Record {
-    /// By how many nats the best pose leads the best one elsewhere.
+    /// Lead of the best pose over the best one elsewhere, nats.
     #[must_use]
     pub fn margin(&self) -> f64 {
         let score = |at: usize| self.single.get(at).map_or(Nats::ZERO, |found| Nats::from_bits(found.score));

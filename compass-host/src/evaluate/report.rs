@@ -11,25 +11,25 @@ use compass_core::base::scan::Hit;
 use compass_core::map::plan::Plan;
 use std::path::Path;
 
-/// How many of the worst frames are listed.
+/// Number of worst frames that are listed.
 const WORST: usize = 12;
 
-/// Everything that the report tells.
+/// The contents of the report.
 #[derive(Debug)]
 pub struct ReportData<'a> {
     /// The page's title.
     pub title: &'a str,
     /// The plan of the floor.
     pub plan: Plan<'a>,
-    /// The ways of localizing, the single frames first, the track second.
+    /// The localization methods, the single frames first, the track second.
     pub rows: &'a [Row],
-    /// The frames in the order of time.
+    /// The frames in order of time.
     pub frames: &'a [FrameErrors],
-    /// Whether each frame's single answer is right, where there is a truth.
+    /// Whether each frame's single answer is correct, where there is ground truth.
     pub right: &'a [Option<bool>],
     /// Mean milliseconds by stage.
     pub milliseconds: &'a [(String, f64)],
-    /// What was seen of the plan's walls.
+    /// The state of the plan's walls, as observed.
     pub walls: &'a Walls,
     /// Pictures of the worst frames.
     pub largest_errors: &'a [Picture],
@@ -73,7 +73,7 @@ fn draw_plan(path: &Path, data: &ReportData<'_>) -> Result<()> {
     Ok(())
 }
 
-/// Calls `draw` with a packed plan as the figures want it.
+/// Calls `draw` with a packed plan in the form that the figures take.
 fn with_plan<T>(plan: &Plan<'_>, draw: impl FnOnce(&PlanPicture<'_>) -> T) -> T {
     let is = |x: u32, y: u32, hit: Hit| plan.hit_at(plan.cell_centre(x as u16, y as u16)) == Some(hit);
     let grid = plan.grid();
@@ -181,13 +181,13 @@ fn recall(rows: &[Row]) -> Table {
     }
 }
 
-/// Names of headings against the true one, and how far from it they are, degrees.
+/// Named heading errors: the angle from the true heading, degrees.
 const CONFUSIONS: [(&str, f64); 3] =
     [("right", 0.0), ("a quarter turn off", 90.0), ("half a turn off", 180.0)];
-/// Headings this near count as such, degrees.
+/// Tolerance for a named heading error, degrees.
 const ALIKE_DEG: f64 = 15.0;
 
-/// What headings are confused with: rooms look alike from opposite ends, and buildings have right angles.
+/// Typical heading confusions: rooms are symmetric end to end, and buildings have right angles.
 fn headings(data: &ReportData<'_>) -> Table {
     let scored: Vec<&FrameErrors> = data.frames.iter().filter(|frame| frame.truth.is_some()).collect();
     let share = |count: usize| format!("{:.1} %", 100.0 * count as f64 / scored.len().max(1) as f64);
@@ -207,7 +207,7 @@ fn headings(data: &ReportData<'_>) -> Table {
     }
 }
 
-/// A number, or a dash for what was not found.
+/// A number, or a dash if there is none.
 fn metric(value: f64, digits: usize) -> String {
     if value.is_finite() { format!("{value:.digits$}") } else { "\u{2013}".to_owned() }
 }

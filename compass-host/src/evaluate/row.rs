@@ -1,4 +1,4 @@
-//! Errors, and what they come to over all frames.
+//! Errors and their statistics over all frames.
 
 use super::record::Found;
 use crate::dataset::tum::Pose;
@@ -10,7 +10,7 @@ use serde::Serialize;
 /// The score falls to 10^(-1/5) per metre of error.
 const DECAY_PER_M: f64 = -0.460_517_018_598_809_17;
 
-/// How far a pose is off; not finite where none was found, or one on another floor.
+/// The error of a pose; infinite without a pose or on the wrong floor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Misses {
     /// Metres.
@@ -36,10 +36,10 @@ impl Misses {
     }
 }
 
-/// Knows which floor is true.
+/// Compares layers with the true floor.
 #[derive(Debug, Clone, Copy)]
 pub struct Judge<'a> {
-    /// What poses count their layers by.
+    /// The layers to which the indices of poses refer.
     pub layers: &'a [FloorLayer<'a>],
     /// The true floor.
     pub floor: usize,
@@ -53,7 +53,7 @@ impl Judge<'_> {
         floor == Some(self.floor)
     }
 
-    /// How far a pose is off.
+    /// The error of a pose.
     #[must_use]
     pub fn misses(&self, found: Option<&Found>, truth: &Pose) -> Misses {
         let Some(found) = found.filter(|found| self.is_on_floor(found)) else { return Misses::ALL };
@@ -63,16 +63,16 @@ impl Judge<'_> {
     }
 }
 
-/// The errors of one way of localizing over all frames that have a truth.
+/// The errors of one localization method over all frames with ground truth.
 #[derive(Debug, Clone, Serialize)]
 pub struct Row {
-    /// Which way.
+    /// Name of the method.
     pub name: &'static str,
-    /// Frames.
+    /// Number of frames.
     pub scored: usize,
-    /// Frames with a pose on the right floor.
+    /// Number of frames with a pose on the right floor.
     pub found: usize,
-    /// Metres; null where fewer than half have a pose, as in all that follow.
+    /// Median position error, metres; null where fewer than half of the frames have a pose, as in the fields below.
     pub median_position_error_m: Decimal,
     /// Degrees.
     pub median_heading_error_deg: Decimal,
@@ -89,7 +89,7 @@ pub struct Row {
 }
 
 impl Row {
-    /// Sums up.
+    /// Computes the statistics.
     #[must_use]
     pub fn of(name: &'static str, misses: &[Misses]) -> Self {
         let scored = misses.len();
@@ -112,7 +112,7 @@ impl Row {
     }
 }
 
-/// The lower median; not a number of nothing.
+/// The lower median; NaN for an empty list.
 fn median(values: impl Iterator<Item = f64>) -> f64 {
     let mut values: Vec<f64> = values.collect();
     values.sort_by(f64::total_cmp);

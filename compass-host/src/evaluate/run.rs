@@ -10,7 +10,7 @@ use crate::progress::Progress;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-/// Localizes the shots that the journal lacks, `jobs` at a time, and returns the records of all in their order.
+/// Localizes the shots that the journal lacks, `jobs` at a time, and returns the records of all shots in order.
 ///
 /// # Errors
 /// Names the file of the first frame that cannot be read, or the output that cannot be written.
@@ -38,7 +38,7 @@ pub fn localize(
                 .and_then(|record| journal.add(record));
             if let Err(error) = worked {
                 stop.store(true, Ordering::Relaxed);
-                // A panic elsewhere does not spoil an error.
+                // A panic of another thread leaves the stored error valid.
                 failed.lock().unwrap_or_else(std::sync::PoisonError::into_inner).get_or_insert(error);
             }
             steps.step();

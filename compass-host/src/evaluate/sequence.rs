@@ -1,4 +1,4 @@
-//! The track of a recording, and trajectories to write.
+//! The track of a recording, and the trajectories to write.
 
 use super::error::Result;
 use super::evidence_file::Evidence;
@@ -18,28 +18,29 @@ use compass_core::pose::{SURE as SURE_MARGIN, ScoredPose};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use std::time::Instant;
 
-/// What a sequence came to.
+/// The result of tracking a sequence.
 #[derive(Debug)]
 pub struct Followed {
-    /// After each record; `None` before anything was seen.
+    /// The estimate after each record; `None` before the first evidence.
     pub estimates: Vec<Option<Estimate>>,
     /// Mean time of a step, milliseconds.
     pub milliseconds: f64,
-    /// What was seen of the walls of the floor that the truth lies on, where the track was sure.
+    /// The observed state of the walls of the ground-truth floor, from frames at which the track was certain.
     pub walls: Walls,
 }
 
-/// From this probability on the track is sure.
+/// The track counts as certain from this probability on.
 pub const SURE: f32 = 0.9;
 
-/// Follows the records in the order of time, with the evidence that was kept of them. Where nothing was seen the
-/// estimate goes on by odometry, or stays.
+/// Tracks the records in order of time, with their stored evidence. A frame without evidence moves the estimate by
+/// odometry, or leaves it.
 ///
-/// Whoever carries the cameras keeps their height, and a floor its ceiling: a frame that is not sure and found other
-/// heights than the sure ones before it is searched anew with [theirs](HeightMemory), and the answer that leads by more counts.
+/// The carrier keeps the camera height, and a floor its ceiling height: a frame that is uncertain and found other
+/// heights than the certain ones before it is searched again with [the remembered heights](HeightMemory), and the
+/// result with the larger lead counts.
 ///
 /// # Errors
-/// Names a file of evidence that cannot be read.
+/// Names an evidence file that cannot be read.
 pub fn follow(
     job: &Job<'_>,
     records: &[Record],
@@ -91,7 +92,8 @@ pub fn follow(
     Ok(Followed { estimates, milliseconds: 1e3 * seconds / f64::from(steps.max(1)), walls })
 }
 
-/// The poses that explain a frame, with the heights of the sequence where those lead by more; and the heights.
+/// The poses that explain a frame, searched with the remembered heights where that gives the larger lead; and the
+/// heights.
 fn explain(
     record: &Record,
     evidence: &Evidence,
@@ -111,7 +113,8 @@ fn explain(
     (record.single.iter().map(ScoredPose::from).collect(), heights)
 }
 
-/// A pose of cam0 with all its axes: z is its height above the floor, and the frame tells which way is up.
+/// The full orientation of a pose of cam0: z is its height above the floor, and roll and pitch come from the frame's
+/// up vector.
 #[must_use]
 pub fn pose(record: &Record, found: &Found) -> Pose {
     let [x, y] = found.position();
@@ -139,7 +142,7 @@ mod tests {
     #[test]
     fn a_pose_has_its_heading_and_its_up() {
         let truth = Pose::looking(7, [3.0, -2.0, 1.4], 130.0, 20.0, 175.0);
-        let mode = ScoredPose {
+        let scored = ScoredPose {
             layer: 0,
             at: point(3.0, -2.0).unwrap(),
             heading: turn(truth.heading_deg()),
@@ -160,7 +163,7 @@ mod tests {
             paper: [None; crate::evaluate::PAPER.len()],
             milliseconds: std::collections::BTreeMap::new(),
         };
-        let back = pose(&record, &Found::from(&mode));
+        let back = pose(&record, &Found::from(&scored));
         assert!((back.position - truth.position).amax() < 1e-6);
         assert!(back.rotation.angle_to(&truth.rotation) < 1e-5, "{back:?}");
     }

@@ -1,4 +1,4 @@
-//! One thread's searches.
+//! The locators and searches of one thread.
 
 use super::error::Result;
 use super::evidence_file::Evidence;
@@ -20,18 +20,18 @@ use compass_core::vision::visual_scan;
 use compass_core::{HeightPrior, Settings};
 use std::collections::BTreeMap;
 
-/// What was seen, the up vector, and what told it.
+/// The observed frame, its up vector, and the source of that.
 type Seen = (Evidence, [f32; 3], UpFrom);
 
 /// Sizes of the frames of the two cameras.
 type Sizes = [Option<(u32, u32)>; 2];
 
-/// Locators with all their memory, for one frame after the other.
+/// Locators with all their memory, reused from frame to frame.
 pub struct Worker<'a> {
     job: &'a Job<'a>,
-    /// To see with: one for each combination of cameras that occurred.
+    /// Observes: one locator for each combination of frame sizes that occurred.
     locators: Vec<(Sizes, Locator<'static>)>,
-    /// To search what was seen.
+    /// Searches the evidence.
     search: Locator<'a>,
     paper: Paper,
 }
@@ -43,7 +43,7 @@ impl std::fmt::Debug for Worker<'_> {
 }
 
 impl<'a> Worker<'a> {
-    /// With the buffers for all of the job.
+    /// Allocates the buffers for the whole job.
     ///
     /// # Errors
     /// [`NoPlan`] if a floor has no plan to refine poses on.
@@ -52,7 +52,7 @@ impl<'a> Worker<'a> {
         Ok(Self { job, locators: Vec::new(), search, paper: Paper::default() })
     }
 
-    /// Localizes a frame in every way and keeps its evidence.
+    /// Localizes a frame by every method and stores its evidence.
     ///
     /// # Errors
     /// Names the file that cannot be read or written.
@@ -91,7 +91,7 @@ impl<'a> Worker<'a> {
         Ok(record)
     }
 
-    /// What the frames show, or why they show nothing.
+    /// The evidence of the frames, or why there is none.
     fn see(
         &mut self,
         frames: [Option<&Frame>; 2],
@@ -99,14 +99,14 @@ impl<'a> Worker<'a> {
         clock: &mut Clock,
     ) -> Result<Result<Seen, SeeError>> {
         let locator = self.locator(frames.map(|frame| frame.map(|frame| (frame.width(), frame.height()))))?;
-        let mut look = || {
+        let mut observe = || {
             let mut segmented = locator.segment(frames)?;
             let (up, from) = up.resolve(&mut segmented)?;
             let levelled = segmented.level(&up)?;
             let up = levelled.frame().up();
             Ok((Evidence::of(&mut see(levelled)), [up.x, up.y, up.z], from))
         };
-        let seen = look();
+        let seen = observe();
         clock.extend(locator.watch().milliseconds());
         Ok(seen)
     }
@@ -124,7 +124,7 @@ impl<'a> Worker<'a> {
         Ok(&mut self.locators[at].1)
     }
 
-    /// Ours and the paper's.
+    /// The pose search and the paper's matching.
     fn search(&mut self, evidence: &Evidence, record: &mut Record, clock: &mut Clock) -> Result<()> {
         let windows = evidence.windows();
         let known = self.job.height_m.map_or(HeightPrior::UNKNOWN, HeightPrior::camera);
@@ -132,7 +132,7 @@ impl<'a> Worker<'a> {
         let fix = seen.locate(known);
         clock.stage("locate");
         record.height_m = fix.camera_height_m();
-        // A score of 0 says nothing.
+        // A score of 0 carries no information.
         record.single = fix.poses().iter().map(Found::from).filter(|found| found.score > 0).collect();
         [record.height, record.ceiling] = fix.heights().to_rungs();
         evidence.write(&self.job.evidence_file(record.timestamp_ns))?;
@@ -147,7 +147,7 @@ impl<'a> Worker<'a> {
         Ok(())
     }
 
-    /// The best candidate by the cosine of descriptors in each way, on the layers that have everything.
+    /// The best candidate by the cosine of descriptors in each way, on layer 0 of each floor.
     fn paper(&mut self, scan: &Scan, confidence: &Confidence) -> [Option<Found>; PAPER.len()] {
         let mut best: [Option<Found>; PAPER.len()] = [None; PAPER.len()];
         for (number, layer) in (0..).zip(self.search.layers()).filter(|(_, layer)| layer.number == 0) {
@@ -164,7 +164,7 @@ impl<'a> Worker<'a> {
         best
     }
 
-    /// The search with what the plan says at the true pose, where there is one and it is free.
+    /// The search on evidence computed from the plan at the true pose, if that is known and free.
     fn oracle(&mut self, record: &mut Record, clock: &mut Clock) {
         let Some(truth) = self.job.truth.at(record.timestamp_ns) else { return };
         clock.restart();

@@ -9,9 +9,9 @@ use super::text::text_width;
 
 /// Space below a plot for the numbers and label of its x axis.
 pub(super) const BELOW: f64 = 100.0;
-/// Space above a plot for half the number at its top.
+/// Space above a plot for the upper half of the number at its top.
 pub(super) const ABOVE: f64 = 22.0;
-/// Space to the right of a plot for half the number at its end.
+/// Space to the right of a plot for the right half of the number at its end.
 pub(super) const BESIDE: f64 = 40.0;
 
 const TICK_LENGTH: f64 = 8.0;
@@ -33,13 +33,13 @@ impl Axis {
         Self { label: label.into(), from, to, ticks }
     }
 
-    /// Bearing or shift in degrees over the whole turn, bins centred on their degree.
+    /// Bearing or shift in degrees over the full turn, bins centred on their degree.
     pub(super) fn degrees(label: &str) -> Self {
         let ticks = (0..=8).map(|n| (f64::from(n) * 45.0, format!("{}", n * 45))).collect();
         Self { label: label.to_owned(), from: -0.5, to: 360.5, ticks }
     }
 
-    /// The same axis without numbers and label, for a panel above another.
+    /// The same axis without numbers and label, for the upper one of two panels.
     pub(super) fn bare(mut self) -> Self {
         self.label.clear();
         for (_, text) in &mut self.ticks {

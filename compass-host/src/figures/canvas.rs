@@ -55,7 +55,7 @@ impl Rect {
     }
 }
 
-/// Which point of a text lies at its position: horizontally, then vertically.
+/// Horizontal, then vertical alignment of a text at its position.
 pub(super) type Anchor = (HPos, VPos);
 /// Text to the right of its position.
 pub(super) const LEFT: Anchor = (HPos::Left, VPos::Center);
@@ -99,7 +99,7 @@ impl Canvas<'_> {
         if right <= left || bottom <= top {
             return Ok(());
         }
-        // The bitmap backend leaves the last column and row of a filled rectangle out.
+        // The bitmap backend omits the last column and row of a filled rectangle.
         Ok(self.area.draw(&Rectangle::new([(left, top), (right, bottom)], colour.filled()))?)
     }
 
@@ -119,7 +119,7 @@ impl Canvas<'_> {
         Ok(self.area.draw(&Circle::new(sample(&centre), scaled(radius), colour.filled()))?)
     }
 
-    /// A ring: a disc with paper inside.
+    /// A circle: a disc with paper inside.
     pub(super) fn ring(&self, centre: Px, radius: f64, width: f64, colour: RGBColor) -> Drawn {
         self.disc(centre, radius, colour)?;
         self.disc(centre, radius - width, PAPER)
@@ -160,7 +160,7 @@ impl Canvas<'_> {
         Ok(drawn?)
     }
 
-    /// Paints each sample of a rectangle by its place: `ink` gets the sample's square.
+    /// Paints each sample of a rectangle by its position: `ink` gets the sample's square.
     pub(super) fn paint(&self, rect: Rect, ink: impl Fn(Rect) -> Option<RGBColor>) -> Drawn {
         let edge = |sample: i32| f64::from(sample) / f64::from(SUPER);
         for y in scaled(rect.top)..scaled(rect.bottom) {

@@ -18,7 +18,7 @@ const HEAD: f64 = 52.0;
 /// One labelled correlation curve.
 #[derive(Debug, Clone, Copy)]
 pub struct Curve<'a> {
-    /// What the curve is, such as "centred".
+    /// Name of the curve, such as "centred".
     pub label: &'a str,
     /// The score of each shift in degrees.
     pub score: &'a [f64; 360],
@@ -33,12 +33,12 @@ impl Curve<'_> {
     }
 }
 
-/// How shifts are named.
+/// The range in which shifts are shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shifts {
-    /// 0 to 360 degrees: of a query against a map, where any heading may be meant.
+    /// 0 to 360 degrees: a query against a map, where every heading is possible.
     Turn,
-    /// -180 to 180 degrees: of what is seen against the plan at a known pose, where 0 is expected.
+    /// -180 to 180 degrees: an observation against the plan at a known pose, where 0 is expected.
     Signed,
 }
 
@@ -70,7 +70,7 @@ impl Shifts {
         f64::from(if shift > 360 + self.first() { shift - 360 } else { shift })
     }
 
-    /// The bins in order of their shifts, the first again at the end.
+    /// The bins in order of their shifts, with the first repeated at the end.
     fn bins(self) -> impl Iterator<Item = (f64, usize)> {
         let first = self.first();
         (first..=first + 360).map(|shift| (f64::from(shift), shift.rem_euclid(360) as usize))
@@ -138,7 +138,7 @@ fn draw_curve(canvas: &Canvas<'_>, axes: &Axes, curve: &Curve<'_>, shifts: Shift
     }
 }
 
-/// The shifts of the peaks above the plot; labels that would touch become one.
+/// The shifts of the peaks above the plot; overlapping labels are merged.
 fn peak_labels(curves: &[Curve<'_>], shifts: Shifts, axes: &Axes) -> Result<Vec<(f64, String)>, DrawError> {
     let mut peaks: Vec<f64> = curves.iter().filter_map(|c| Some(shifts.of(c.peak()?.0))).collect();
     peaks.sort_by(f64::total_cmp);

@@ -18,7 +18,7 @@ const ROW_HEIGHT: f64 = 96.0;
 const BETWEEN: f64 = 10.0;
 /// Space to the right for the colour bars and their numbers.
 const BARS: f64 = 130.0;
-/// Space to the left: without names of rows, and with.
+/// Space to the left: without row names, and with them.
 const LEFT_ROOM: f64 = 40.0;
 const NAMED_ROOM: f64 = 110.0;
 
@@ -33,8 +33,8 @@ pub fn draw_descriptor(path: &Path, channels: &[[f64; 360]; 5]) -> Result<(), Fi
     draw(path, caption, &[("", channels)])
 }
 
-/// Draws descriptors in one frame, channel by channel, each row named; the rows of a channel share a colour scale.
-/// What is no number is not known.
+/// Draws descriptors in one frame, channel by channel, each row named; the rows of a channel share a colour scale. NaN
+/// is unknown.
 ///
 /// # Errors
 /// [`FigureError`] when the file cannot be written.
@@ -82,7 +82,7 @@ fn draw_row(canvas: &Canvas<'_>, frame: Rect, x: Axis, channel: &[f64; 360], top
     let y = Axis { label: String::new(), from: 0.0, to: 1.0, ticks: Vec::new() };
     let axes = Axes { frame, x, y };
     for (bin, value) in channel.iter().enumerate() {
-        // The row ends at 360 degrees, half a bin into the bin at 0 again.
+        // The row ends at 360 degrees, which is half a bin into bin 0 again.
         let right = if bin == 359 { frame.right } else { axes.x_px(bin as f64 + 0.5) };
         let cell = Rect { left: axes.x_px(bin as f64 - 0.5), right, ..frame };
         canvas.fill(cell, viridis(value / top))?;

@@ -6,7 +6,7 @@ use thiserror::Error;
 
 use crate::output::OutputError;
 
-/// Why a figure or a report did not come about.
+/// Why a figure or a report was not drawn.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum FigureError {
@@ -16,7 +16,7 @@ pub enum FigureError {
     /// The data cannot be drawn.
     #[error("cannot draw {}: {reason}", path.display())]
     Draw {
-        /// The file that was to hold the picture.
+        /// The output file of the picture.
         path: PathBuf,
         /// What is wrong with the data.
         reason: String,
@@ -24,14 +24,14 @@ pub enum FigureError {
 }
 
 impl FigureError {
-    /// Data that cannot be drawn, and why.
+    /// An error about the data, in words.
     pub(crate) fn draw(path: &Path, reason: &dyn std::fmt::Display) -> Self {
         Self::Draw { path: path.to_owned(), reason: reason.to_string() }
     }
 }
 
-/// Why a drawing step failed: bad data in words, or an error of the drawing library.
+/// Why a drawing step failed: an error about the data, or one of the drawing library.
 pub(super) type DrawError = Box<dyn std::error::Error + Send + Sync>;
 
-/// What every drawing step returns.
+/// The result of a drawing step.
 pub(super) type Drawn = Result<(), DrawError>;

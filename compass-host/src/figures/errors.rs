@@ -11,7 +11,7 @@ use super::style::{MUTED, Pen, number};
 const PLOT: f64 = 600.0;
 /// Steps of a curve narrower than this are drawn as a slope, in pixels.
 const SHORTEST_TREAD: f64 = 6.0;
-/// Errors below these are shown as these: metres and degrees.
+/// Smaller errors are shown as these: metres and degrees.
 const SMALLEST: [f64; 2] = [1e-3, 1e-2];
 /// Thresholds of the recall figures: metres and degrees.
 const THRESHOLDS_M: [f64; 3] = [0.1, 0.5, 1.0];
@@ -78,14 +78,13 @@ fn ascending(errors: &[f64]) -> Vec<f64> {
     sorted
 }
 
-/// The smallest error that a share of all queries does not exceed; `None` when they never do.
+/// The smallest error that a share of all queries does not exceed; `None` if fewer have a pose.
 fn quantile(errors: &[f64], share: f64) -> Option<f64> {
     let rank = (share * errors.len() as f64).ceil().max(1.0) as usize;
     ascending(errors).get(rank - 1).copied()
 }
 
-/// A logarithmic axis (its values are decimal logarithms) over whole decades, or up to the largest
-/// value there can be.
+/// A logarithmic axis (its values are decimal logarithms) over whole decades, or up to the largest possible value.
 fn log_axis(label: &str, series: &[&[f64]], smallest: f64, largest: Option<f64>) -> Axis {
     let all = || series.iter().flat_map(|errors| ascending(errors)).map(|e| e.max(smallest));
     let low = all().fold(f64::INFINITY, f64::min);
@@ -118,7 +117,7 @@ fn draw_steps(canvas: &Canvas<'_>, axes: &Axes, errors: &[f64], pen: Pen) -> Dra
     let mut share = 0.0;
     for (n, error) in ascending(errors).into_iter().enumerate() {
         let x = error.log10().clamp(axes.x.from, axes.x.to);
-        // Treads too short to be seen would only roughen the dashes.
+        // Very short treads are invisible and would only roughen the dashes.
         if points.last().is_none_or(|last| axes.x_px(x) - last[0] > SHORTEST_TREAD) {
             points.push(axes.at(x, share));
         }

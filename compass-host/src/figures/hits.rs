@@ -1,4 +1,4 @@
-//! Two hit-type arrays against each other: where they agree and where not.
+//! Comparison of two hit-type arrays: the bins on which they agree and differ.
 
 use std::path::Path;
 
@@ -13,22 +13,22 @@ use super::polar::Dial;
 use super::style::{AGREE, DISAGREE, INK, PAPER, Pen, TEXT_PX, TICK_PX, UNKNOWN, hit_colour, score};
 use super::text::wrap;
 
-/// Two hit-type arrays in the same frame, and how alike they are.
+/// Two hit-type arrays in the same frame, and their similarity.
 #[derive(Debug, Clone, Copy)]
 pub struct HitComparison<'a> {
-    /// What the first array is, such as "query".
+    /// Name of the first array, such as "query".
     pub first_label: &'a str,
     /// The first array.
     pub first: &'a [Hit; 360],
-    /// What the second array is, such as "map".
+    /// Name of the second array, such as "map".
     pub second_label: &'a str,
     /// The second array.
     pub second: &'a [Hit; 360],
-    /// Which bins of the first array are known; all, if absent.
+    /// Which bins of the first array are known; all if absent.
     pub known: Option<&'a [bool; 360]>,
     /// Cosine similarity of the two hit-type channels.
     pub cosine: f64,
-    /// The same of the centred channels.
+    /// Cosine similarity of the centred channels.
     pub centred: f64,
 }
 
@@ -94,7 +94,7 @@ const RING: f64 = 92.0;
 const GAP: f64 = 14.0;
 /// Space around the rings for the bearings.
 const AROUND: f64 = 66.0;
-/// How far below the centre each ring is named: clear of the bearings.
+/// Offset of each ring's name below the centre, clear of the bearings.
 const LEVELS: [f64; 3] = [-200.0, -90.0, 90.0];
 
 /// Draws both arrays as rings around the robot (forward is up) with a ring of their agreement inside.

@@ -15,7 +15,7 @@ use compass_core::vision::camera::Pixel;
 /// Lines of one kind, in pixels of the frame: pixel centres are at integers.
 #[derive(Debug, Clone)]
 pub struct Layer {
-    /// What they are; the legend adds their number.
+    /// Name of the kind; the legend adds the number of lines.
     pub label: String,
     /// Their colour.
     pub colour: RGBColor,
@@ -23,7 +23,7 @@ pub struct Layer {
     pub width: f64,
     /// The lines, each through all of its points.
     pub lines: Vec<Vec<[f64; 2]>>,
-    /// Notes, each to stand above a position.
+    /// Notes, each placed above a position.
     pub notes: Vec<([f64; 2], String)>,
 }
 
@@ -62,7 +62,7 @@ pub fn draw_overlay(path: &Path, caption: &str, frame: &Frame, layers: &[Layer])
         for layer in layers {
             let pen = Pen::solid(layer.colour, layer.width);
             for line in &layer.lines {
-                // The drawing library's own clipping wants points near the page.
+                // The drawing library's own clipping needs points near the page.
                 let points: Vec<Px> = line.iter().map(|&p| within(place(p), shown)).collect();
                 canvas.line(&points, pen)?;
             }
@@ -88,7 +88,7 @@ fn draw_frame(canvas: &Canvas<'_>, rect: Rect, frame: &Frame) -> Drawn {
     })
 }
 
-/// Small texts on plates that keep clear of each other.
+/// Short texts on plates that do not overlap each other.
 #[derive(Debug)]
 pub(super) struct Notes {
     bounds: Rect,
@@ -101,7 +101,7 @@ impl Notes {
         Self { bounds, placed: Vec::new() }
     }
 
-    /// Writes a note above a position, or as little higher as there is room.
+    /// Writes a note above a position, or higher if that place is taken.
     pub(super) fn write(&mut self, canvas: &Canvas<'_>, [x, y]: Px, text: &str) -> Drawn {
         let half = text_width(text, TICK_PX)? / 2.0 + 5.0;
         let Rect { left, top, right, bottom } = self.bounds;
@@ -121,7 +121,7 @@ impl Notes {
     }
 }
 
-/// Height of a note, and how many quarters of it are tried for room.
+/// Height of a note, and the number of quarter-height steps that are tried.
 const NOTE: f64 = 32.0;
 const STEPS: i32 = 48;
 

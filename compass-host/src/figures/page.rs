@@ -1,4 +1,4 @@
-//! The page every figure is laid out on: caption, body, legend, one below the other.
+//! The page layout of every figure: caption, body and legend, one below the other.
 
 use std::path::Path;
 
@@ -18,7 +18,7 @@ const LINE: f64 = 44.0;
 const SYMBOL: f64 = 64.0;
 /// Space between two entries of a legend.
 const BETWEEN: f64 = 48.0;
-/// Width of the paper around a pose.
+/// Width of the halo around a pose.
 const HALO: f64 = 3.0;
 
 /// The symbol of a legend entry.
@@ -53,7 +53,7 @@ pub(super) fn hit_entries(hit: Option<&[Hit; 360]>) -> Vec<Entry> {
     HITS.into_iter().map(entry).collect()
 }
 
-/// A figure but for its body.
+/// A figure without its body.
 #[derive(Debug)]
 pub(super) struct Page<'a> {
     pub(super) path: &'a Path,

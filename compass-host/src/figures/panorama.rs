@@ -1,4 +1,4 @@
-//! The cameras' view all around, levelled, with the boundaries of floor and ceiling that were found in it.
+//! The cameras' levelled panorama with the boundaries of floor and ceiling found in it.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use super::error::{Drawn, FigureError};
 use super::page::{Entry, Page, Symbol};
 use super::style::{INK, Pen, TICK_PX, UNKNOWN, number};
 
-/// What there is to draw over the view.
+/// The overlays of the panorama.
 #[derive(Debug, Clone, Copy)]
 pub struct PanoramaPicture<'a> {
     /// Range in metres and its confidence, by bin.
@@ -23,17 +23,17 @@ pub struct PanoramaPicture<'a> {
     pub windows: &'a [[[f64; 2]; 2]],
 }
 
-/// Elevations shown: from minus to plus so many degrees.
+/// Elevations shown, degrees to either side of the horizon.
 const REACH_DEG: f64 = 50.0;
 /// Space to the left of the view for the elevations, above it, between its halves, and for the azimuths below each.
 const BESIDE: f64 = 76.0;
 const ABOVE: f64 = 16.0;
 const BETWEEN: f64 = 24.0;
 const AZIMUTHS: f64 = 44.0;
-/// A plan's boundary is broken where the range changes by more than this ratio.
+/// The plan's boundary line breaks where the range changes by more than this ratio.
 const JUMP: f64 = 1.25;
 
-/// Colours of what was found, and the confidence below which each is used.
+/// Colours of the boundaries found, and the confidence below which each is used.
 const FOUND: [(f64, RGBColor, &str); 3] = [
     (1.0 / 3.0, RGBColor(0xd8, 0x20, 0x10), "below 1/3"),
     (2.0 / 3.0, RGBColor(0xff, 0x9a, 0x00), "to 2/3"),
@@ -43,7 +43,7 @@ const PLAN: RGBColor = RGBColor(0xff, 0x40, 0xc8);
 const WINDOWS: RGBColor = RGBColor(0x30, 0xb0, 0xff);
 const HORIZON: RGBColor = RGBColor(0xf0, 0xf0, 0xf0);
 
-/// Draws the half of the view ahead, and that behind below it; `colour` tells what is seen at an azimuth
+/// Draws the half of the view ahead, and below it the half behind; `colour` gives the image colour at an azimuth
 /// (counter-clockwise) and elevation in radians.
 ///
 /// # Errors
@@ -73,7 +73,7 @@ pub fn draw_panorama(
     })
 }
 
-/// Pixels to a degree.
+/// Pixels per degree.
 fn scale() -> f64 {
     (Page::INNER_WIDTH - BESIDE - 4.0) / 180.0
 }
@@ -121,7 +121,7 @@ impl Half<'_> {
         self.frame.top + (REACH_DEG - elevation_deg) * scale()
     }
 
-    /// Pixel columns between two azimuths, the right one first, as far as they are in this half.
+    /// Pixel columns between two azimuths, the right one first, clipped to this half.
     fn span(&self, [right, left]: [f64; 2]) -> impl Iterator<Item = [f64; 2]> {
         let (frame, from) = (self.frame, self.from_deg);
         [-360.0, 0.0, 360.0].into_iter().filter_map(move |turn| {
@@ -184,7 +184,7 @@ impl Half<'_> {
         self.draw_scale(canvas)
     }
 
-    /// The plan's boundaries, in pieces between jumps of range.
+    /// The plan's boundaries, in pieces between range discontinuities.
     fn draw_plan(&self, canvas: &Canvas<'_>, pen: Pen) -> Drawn {
         let Some(plan) = self.data.plan else { return Ok(()) };
         for surface in 0..2 {

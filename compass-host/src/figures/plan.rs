@@ -63,7 +63,7 @@ impl Extent {
         (self.x[0]..=self.x[1]).contains(&x) && (self.y[0]..=self.y[1]).contains(&y)
     }
 
-    /// How much of the way from a point inside to `to` lies inside, 0..=1.
+    /// The share, 0..=1, of the way from a point inside to `to` that lies inside.
     pub(super) fn inside_share(&self, from: [f64; 2], to: [f64; 2]) -> f64 {
         let along = |[low, high]: [f64; 2], from: f64, to: f64| {
             let bound = if to > from { high } else { low };
@@ -74,7 +74,7 @@ impl Extent {
 }
 
 impl PlanPicture<'_> {
-    /// The part of the map worth showing: the bounding box of all ink and of `points`, with a margin.
+    /// The part of the map to show: the bounding box of all ink and of `points`, with a margin.
     ///
     /// # Errors
     /// When the plan has no pixels, no positive resolution, or a point is not finite.
@@ -121,7 +121,7 @@ impl PlanPicture<'_> {
         ink
     }
 
-    /// Draws walls and windows; ink narrower than a pixel stays visible, glazing before wall.
+    /// Draws walls and windows; ink narrower than a pixel stays visible, glazing takes precedence.
     pub(super) fn draw(&self, canvas: &Canvas<'_>, axes: &Axes) -> Drawn {
         let metres = (axes.x.to - axes.x.from) / axes.frame.width();
         let column =
@@ -142,7 +142,7 @@ impl PlanPicture<'_> {
     }
 }
 
-/// The raster cells that the span touches, within 0..`count`.
+/// The raster cells that the span overlaps, within 0..`count`.
 fn cells(from: f64, to: f64, count: u32) -> std::ops::Range<u32> {
     let limit = f64::from(count);
     let first = from.floor().clamp(0.0, limit);

@@ -1,4 +1,4 @@
-//! Range by bearing as the robot sees it: forward is up, left is left.
+//! Range by bearing in the robot's frame: forward is up, left is left.
 
 use std::path::Path;
 
@@ -16,7 +16,7 @@ use super::text::text_width;
 const RADIUS: f64 = 620.0;
 /// Space around it for the bearings.
 const AROUND: f64 = 60.0;
-/// The range of a scan that meets nothing, in metres.
+/// The range of a ray without a hit, in metres.
 const OPEN_RANGE_M: f64 = 30.0;
 
 /// Draws range by bearing relative to the heading, coloured by hit type.
@@ -56,7 +56,7 @@ pub fn draw_polar(path: &Path, range_m: &[f64; 360], hit: &[Hit; 360]) -> Result
     })
 }
 
-/// Marks where each bin ends (pixels) that meets something.
+/// Marks the range of each bin that has a hit, in pixels.
 fn draw_marks(canvas: &Canvas<'_>, dial: &Dial, reach: &[f64; 360], hit: &[Hit; 360]) -> Drawn {
     for bin in (0..360).filter(|&bin| hit[bin] != Hit::Open) {
         dial.sector(canvas, bin, [(reach[bin] - 8.0).max(0.0), reach[bin]], hit_colour(hit[bin]))?;
@@ -88,7 +88,7 @@ fn draw_ring_labels(canvas: &Canvas<'_>, dial: &Dial, rings: &[(f64, String)], b
     Ok(())
 }
 
-/// The bearing between two spokes where the labels of the rings stay farthest from the range marks.
+/// The bearing between two spokes at which the labels of the rings stay farthest from the range marks.
 fn free_bearing(reach: &[f64; 360], rings: &[(f64, String)]) -> f64 {
     let clearance = |bearing: usize| {
         let nearby = (bearing + 345..=bearing + 375).map(|bin| reach[bin % 360]);
@@ -122,7 +122,7 @@ impl Dial {
         colour: RGBColor,
     ) -> Drawn {
         let bearing = bin as f64;
-        // A hair wider than the bin, so that no seam shows between neighbours.
+        // Slightly wider than the bin, so that no seam shows between neighbours.
         let (from, to) = (bearing - 0.55, bearing + 0.55);
         let corners = [
             self.at(from, inner),

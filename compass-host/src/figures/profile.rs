@@ -76,7 +76,7 @@ fn draw_panel(
     axes.draw_frame(canvas)
 }
 
-/// Solid for both panels: here the panel tells the curves apart.
+/// Solid in both panels: each panel has only one curve.
 const fn curve(series: usize) -> Pen {
     Pen { dash: None, ..Pen::series(series) }
 }

@@ -1,4 +1,4 @@
-//! The rays of a scan over the plan, coloured by what they meet.
+//! The rays of a scan over the plan, coloured by hit type.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ use super::page::{Entry, Page, Symbol, draw_pose, hit_entries};
 use super::plan::{Extent, MapLayout, PlanPicture};
 use super::style::{FOUND, Pen, hit_colour, number, tint};
 
-/// Every second ray is drawn, so that they can be told apart near the robot.
+/// Every second ray is drawn, so that rays stay distinguishable near the robot.
 const RAY_STRIDE: usize = 2;
 
 /// Draws the rays of a scan over the plan's walls and windows.
@@ -65,7 +65,7 @@ struct Rays<'a> {
 }
 
 impl Rays<'_> {
-    /// Where the ray of a bin ends.
+    /// The end point of the ray of a bin.
     fn end(&self, bin: usize) -> [f64; 2] {
         let (sin, cos) = (self.heading_deg + bin as f64).to_radians().sin_cos();
         let range = self.range_m[bin];

@@ -1,4 +1,4 @@
-//! The levelled ring with what was found on it, and the hit type of every direction below.
+//! The levelled panorama with the windows found in it, and the hit type of every direction below.
 
 use std::path::Path;
 
@@ -15,28 +15,28 @@ use super::overlay::Notes;
 use super::page::{Entry, Page, Symbol};
 use super::style::{INK, Pen, TICK_PX, UNKNOWN, WALL, WINDOW, number};
 
-/// What there is to draw of a ring.
+/// The contents of the panorama picture.
 #[derive(Debug, Clone, Copy)]
 pub struct RingPicture<'a> {
-    /// The ring in gray, 0 where nothing is known.
+    /// The panorama in gray, 0 where a cell is unobserved.
     pub ring: GrayImage<'a>,
     /// Its resolution.
     pub resolution: Resolution,
-    /// The windows chosen.
+    /// The selected windows.
     pub windows: &'a [Window],
-    /// The boxes they were chosen among.
+    /// The boxes from which they were selected.
     pub boxes: &'a [WindowBox],
-    /// The edges between which boxes lie.
+    /// The edges that bound the boxes.
     pub edges: &'a [Edge],
     /// Hit type by bin.
     pub hit: &'a [Hit; 360],
-    /// Which bins were seen.
+    /// Which bins were observed.
     pub known: &'a [bool; 360],
 }
 
 /// Boxes below this score are not drawn.
 const LEAST: LogOdds = LogOdds::lit("-1");
-/// Space to the left of the ring for the elevations.
+/// Space to the left of the panorama for the elevations.
 const BESIDE: f64 = 76.0;
 /// Space above each half, and below the lower.
 const BETWEEN: f64 = 30.0;
@@ -50,7 +50,7 @@ const CONSIDERED: RGBColor = RGBColor(0x30, 0xa0, 0xff);
 const EDGE: RGBColor = RGBColor(0x10, 0x90, 0x40);
 const HORIZON: RGBColor = RGBColor(0xff, 0xd0, 0x00);
 
-/// Draws the half of the ring ahead, that behind below it, and each with its hits.
+/// Draws the half of the panorama ahead, below it the half behind, and below each its hits.
 ///
 /// # Errors
 /// [`FigureError`] when the file cannot be written.
@@ -90,7 +90,7 @@ pub fn draw_ring(path: &Path, data: &RingPicture<'_>) -> Result<(), FigureError>
     })
 }
 
-/// Half of the ring is as wide as the page.
+/// Half of the panorama is as wide as the page.
 fn half_height(resolution: Resolution) -> f64 {
     let columns = resolution.columns() / 2;
     (Page::INNER_WIDTH - BESIDE) * resolution.rows() as f64 / columns as f64
@@ -100,7 +100,7 @@ fn is_shown(b: &WindowBox) -> bool {
     b.score() > LEAST
 }
 
-/// 180 degrees of the ring, clockwise from an azimuth.
+/// 180 degrees of the panorama, clockwise from an azimuth.
 struct Half<'a> {
     data: &'a RingPicture<'a>,
     frame: Rect,
@@ -108,18 +108,18 @@ struct Half<'a> {
 }
 
 impl Half<'_> {
-    /// Pixels to a cell.
+    /// Pixels per cell.
     fn cell(&self) -> f64 {
         2.0 * self.frame.width() / self.data.resolution.columns() as f64
     }
 
-    /// The ring's column at the left end.
+    /// The panorama's column at the left end.
     fn first_column(&self) -> f64 {
         f64::from(180 - self.from_deg) * self.data.resolution.per_degree() as f64
     }
 
-    /// The pixel columns between two of the ring's columns, as far as they are in this half; the second may lie
-    /// beyond the ring's last.
+    /// The pixel columns between two of the panorama's columns, clipped to this half; the second may lie beyond the
+    /// panorama's last.
     fn span(&self, [start, end]: [f64; 2]) -> impl Iterator<Item = [f64; 2]> {
         let (turn, frame, cell) = (self.data.resolution.columns() as f64, self.frame, self.cell());
         let first = self.first_column();
@@ -220,7 +220,7 @@ impl Half<'_> {
                 (false, _) => UNKNOWN,
                 (true, hit) => super::style::hit_colour(hit),
             };
-            // Bin j is half a degree to either side of azimuth j.
+            // Bin j covers half a degree to either side of azimuth j.
             let start = ((540 - bin) % 360) as f64 * degree - degree / 2.0;
             for [left, right] in self.span([start, start + degree]) {
                 canvas.fill(Rect { left, right, ..bar }, colour)?;

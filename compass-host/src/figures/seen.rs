@@ -11,15 +11,15 @@ use super::page::{Entry, Page, Symbol, hit_entries};
 use super::polar::Dial;
 use super::style::{INK, Pen, TEXT_PX, UNKNOWN, hit_colour};
 
-/// Outer radius of the hits seen, their width and that of the plan's around them, in pixels.
+/// Outer radius and width of the band of observed hits, and width of the plan's around it, in pixels.
 const RADIUS: f64 = 420.0;
 const RING: f64 = 130.0;
 const GAP: f64 = 16.0;
 const PLAN: f64 = 80.0;
-/// Space around the outer ring for the bearings.
+/// Space around the outer band for the bearings.
 const AROUND: f64 = 66.0;
 
-/// Draws the hits seen as a ring around the robot (forward is up), and those of the plan around it if there are any.
+/// Draws the observed hits as a band around the robot (forward is up), and those of the plan around it if given.
 ///
 /// # Errors
 /// [`FigureError`] when the file cannot be written.

@@ -21,27 +21,27 @@ pub struct MapPose {
     pub heading_deg: f64,
 }
 
-/// A number for each candidate.
+/// A value for each candidate.
 #[derive(Debug, Clone, Copy)]
 pub struct Scores<'a> {
-    /// What the number is, for the colour bar.
+    /// Name of the value, for the colour bar.
     pub label: &'a str,
-    /// One value a candidate; what is not finite is drawn grey.
+    /// One value per candidate; a value that is not finite is drawn grey.
     pub values: &'a [f64],
 }
 
-/// What to show on the plan.
+/// The contents of the picture.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct SiteMapPicture<'a> {
     /// Candidate positions in metres.
     pub candidates: &'a [[f64; 2]],
-    /// Colours the candidates.
+    /// Values that colour the candidates.
     pub scores: Option<Scores<'a>>,
-    /// Where the robot was.
+    /// The true pose.
     pub truth: Option<MapPose>,
-    /// Where it was found to be.
+    /// The pose found.
     pub found: Option<MapPose>,
-    /// Where else it may be.
+    /// Its alternatives.
     pub alternatives: &'a [MapPose],
 }
 
@@ -103,12 +103,12 @@ impl SiteMapPicture<'_> {
     }
 }
 
-/// Draws candidate positions over the plan, coloured by their scores if there are any, and the true
-/// pose, the pose found and its alternatives.
+/// Draws candidate positions over the plan, coloured by their scores if given, and the true pose, the pose found and
+/// its alternatives.
 ///
 /// # Errors
 /// [`FigureError`] when the file cannot be written, the plan is empty, a position is not finite, or
-/// there is not one score a candidate.
+/// the number of scores differs from that of the candidates.
 pub fn draw_site_map(
     path: &Path,
     plan: &PlanPicture<'_>,
@@ -151,7 +151,7 @@ fn draw_candidates(
     let radius = dot_radius(axes, data.candidates);
     let score = |n: usize| data.scores.map_or(f64::NAN, |s| s.values[n]);
     let mut order: Vec<usize> = (0..data.candidates.len()).collect();
-    // The best last, so that no worse one hides them.
+    // The best last, so that no worse one covers them.
     order.sort_by(|&a, &b| score(a).total_cmp(&score(b)));
     for n in order {
         let [x, y] = data.candidates[n];
@@ -164,7 +164,7 @@ fn draw_candidates(
     Ok(())
 }
 
-/// A radius at which candidates spread over their bounding box just do not touch.
+/// The largest radius at which candidates spread evenly over their bounding box do not touch.
 fn dot_radius(axes: &Axes, candidates: &[[f64; 2]]) -> f64 {
     let side = |axis: usize| {
         let values = || candidates.iter().map(|c| c[axis]);

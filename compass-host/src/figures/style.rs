@@ -1,4 +1,4 @@
-//! What all figures have in common: sizes, colours, number formats.
+//! The common style of all figures: sizes, colours, number formats.
 //!
 //! A figure is 1600 px wide and meant for a 16 cm text width: 100 px are 1 cm, so the text of 30 px
 //! prints at 8.5 points.
@@ -21,7 +21,7 @@ pub const AGREE: RGBColor = RGBColor(0x00, 0x9e, 0x73);
 /// Bins on whose hit type they differ.
 pub const DISAGREE: RGBColor = RGBColor(0xc8, 0x10, 0x2e);
 
-/// Bins that were not seen.
+/// Bins that were not observed.
 pub(super) const UNKNOWN: RGBColor = RGBColor(0xe2, 0xe2, 0xe2);
 /// The plan's walls.
 pub(super) const PLAN_WALL: RGBColor = RGBColor(0, 0, 0);
@@ -43,7 +43,7 @@ pub(super) const TEXT_PX: f64 = 30.0;
 /// Em size of the numbers along axes.
 pub(super) const TICK_PX: f64 = 26.0;
 
-/// Curves, told apart by dash as well as by colour (Paul Tol's muted set, without the hit colours).
+/// Curve colours, which differ in dash as well (Paul Tol's muted set, without the hit colours).
 const SERIES: [(RGBColor, Option<[f64; 2]>); 5] = [
     (RGBColor(0x33, 0x22, 0x88), None),
     (RGBColor(0xcc, 0x55, 0x66), Some([18.0, 9.0])),
@@ -57,7 +57,7 @@ const SERIES: [(RGBColor, Option<[f64; 2]>); 5] = [
 pub(super) struct Pen {
     pub(super) colour: RGBColor,
     pub(super) width: f64,
-    /// Lengths of dash and gap in pixels; a solid line without.
+    /// Lengths of dash and gap in pixels; `None` for a solid line.
     pub(super) dash: Option<[f64; 2]>,
 }
 
@@ -102,7 +102,7 @@ pub(super) fn tint(colour: RGBColor, strength: f64) -> RGBColor {
     RGBColor(mix(colour.0), mix(colour.1), mix(colour.2))
 }
 
-/// Viridis at `t` in 0..=1; what is no number is grey.
+/// Viridis at `t` in 0..=1; grey for NaN.
 pub(super) fn viridis(t: f64) -> RGBColor {
     if t.is_nan() { MUTED } else { ViridisRGB.get_color(t.clamp(0.0, 1.0)) }
 }
@@ -115,7 +115,7 @@ pub(super) fn nice_ticks(from: f64, to: f64, count: usize) -> Vec<f64> {
     (first..=last).map(|n| n as f64 * step).collect()
 }
 
-/// The smallest of 1, 2, 5 times a power of ten that is not below `raw`; 1 for what is no length.
+/// The smallest of 1, 2, 5 times a power of ten that is not below `raw`; 1 if `raw` is not a positive finite number.
 pub(super) fn nice_step(raw: f64) -> f64 {
     if !raw.is_finite() || raw <= 0.0 {
         return 1.0;
@@ -126,7 +126,7 @@ pub(super) fn nice_step(raw: f64) -> f64 {
     nice * power
 }
 
-/// A number as a reader wants it: no trailing zeros, a true minus sign.
+/// A number for display: no trailing zeros, a true minus sign.
 pub(super) fn number(value: f64) -> String {
     let text = format!("{value:.3}");
     let text = text.trim_end_matches('0').trim_end_matches('.');

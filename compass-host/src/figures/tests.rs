@@ -1,6 +1,6 @@
-//! Every figure from a room whose ranges are known in closed form.
+//! Every figure, for a room whose ranges are known in closed form.
 //!
-//! `COMPASS_FIGURES=DIR cargo test figures` keeps the pictures in DIR, to be looked at.
+//! `COMPASS_FIGURES=DIR cargo test figures` keeps the pictures in DIR for inspection.
 
 use std::path::{Path, PathBuf};
 

@@ -1,6 +1,6 @@
-//! Text in the font that is compiled in: no machine needs fonts of its own.
+//! Text in a font that is compiled in, so that the output does not depend on installed fonts.
 //!
-//! plotters' own glyph drawing drops the space to the left of each letter, so letters are set here.
+//! plotters' own glyph drawing drops the left side bearing of each letter, so this module places the glyphs.
 
 use std::sync::OnceLock;
 
@@ -19,7 +19,7 @@ fn font() -> Result<&'static FontRef<'static>, DrawError> {
 fn at_size(em: f64) -> Result<PxScaleFont<&'static FontRef<'static>>, DrawError> {
     let font = font()?;
     let units = font.units_per_em().ok_or("the compiled-in font has no size")?;
-    // ab_glyph scales by the height of a line, which is more than the em square.
+    // ab_glyph scales by the line height, which is more than the em square.
     Ok(font.as_scaled(em as f32 * font.height_unscaled() / units))
 }
 

@@ -1,4 +1,4 @@
-//! Errors over time, and how far a margin can be trusted.
+//! Errors over time, and the reliability of the margin.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ use super::page::{Entry, Page, Symbol};
 use super::style::{AGREE, MUTED, Pen, TICK_PX, number};
 
 const PLOT: f64 = 560.0;
-/// Errors are shown between these, metres; what was not found lies at the upper.
+/// Errors are clamped to these, metres; a frame without a pose is drawn at the upper one.
 const SHOWN_M: [f64; 2] = [0.01, 100.0];
 /// Thresholds of the recall figures, metres.
 const THRESHOLDS_M: [f64; 3] = [0.1, 0.5, 1.0];
@@ -21,9 +21,9 @@ const THRESHOLDS_M: [f64; 3] = [0.1, 0.5, 1.0];
 pub struct ErrorCurve<'a> {
     /// The method.
     pub label: &'a str,
-    /// Metres; infinite where no pose was found, not a number where there is no truth.
+    /// Metres; infinite without a pose, NaN without ground truth.
     pub metres: &'a [f64],
-    /// Whether neighbours depend on each other: a line instead of dots.
+    /// Whether neighbours depend on each other: drawn as a line instead of dots.
     pub joined: bool,
 }
 
@@ -80,7 +80,7 @@ fn decades(label: &str, [from, to]: [f64; 2]) -> Axis {
 /// Bounds of the bins of margins, nats.
 const MARGINS: [f64; 7] = [0.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0];
 
-/// Draws the share of right answers by the margin in nats; each answer is its margin and whether it is right.
+/// Draws the share of correct answers by the margin in nats; each answer is its margin and whether it is correct.
 ///
 /// # Errors
 /// [`FigureError`] when the file cannot be written.
@@ -112,7 +112,7 @@ pub fn draw_reliability(path: &Path, answers: &[(f64, bool)]) -> Result<(), Figu
     })
 }
 
-/// A bin's name, its right answers and all of them.
+/// A bin's label, its number of correct answers and of all answers.
 fn count(answers: &[(f64, bool)], bin: usize) -> (String, usize, usize) {
     let from = MARGINS[bin];
     let to = MARGINS.get(bin + 1).copied().unwrap_or(f64::INFINITY);

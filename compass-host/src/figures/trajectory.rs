@@ -1,4 +1,4 @@
-//! Where a recording went and where it was found to be, over the plan.
+//! The true path of a recording and the estimated positions, over the plan.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ use super::style::{DISAGREE, FOUND, INK, MUTED, Pen, TRUTH, tint, viridis};
 
 /// Space to the right of the plot for the colour bar of the errors.
 const BAR_ROOM: f64 = 190.0;
-/// Errors from here on have the last colour, metres.
+/// Errors from here on get the last colour, metres.
 const WORST_M: f64 = 2.0;
 /// Radius of a fix in pixels, and width of its rim.
 const DOT: f64 = 8.0;
@@ -21,25 +21,25 @@ const TRACK_DOT: f64 = 4.0;
 /// Longer steps of the track are not drawn, metres.
 const JUMP_M: f64 = 5.0;
 
-/// A position that was found.
+/// An estimated position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fix {
     /// Metres, x right and y up.
     pub position: [f64; 2],
-    /// Where it truly was, metres; grey without.
+    /// True position, metres; without it the fix is grey.
     pub truth: Option<[f64; 2]>,
 }
 
-/// What to show on the plan.
+/// The contents of the picture.
 #[derive(Debug, Clone, Copy)]
 pub struct TrajectoryPicture<'a> {
     /// The caption.
     pub caption: &'a str,
-    /// The true way in metres.
+    /// The true path in metres.
     pub truth: &'a [[f64; 2]],
-    /// Each frame by itself.
+    /// The single-frame estimates.
     pub fixes: &'a [Fix],
-    /// The sequence in pieces, in metres; empty for none.
+    /// The track in pieces, in metres; empty for none.
     pub track: &'a [Vec<[f64; 2]>],
 }
 
@@ -61,7 +61,7 @@ fn error_pen() -> Pen {
     Pen { dash: Some([9.0, 7.0]), ..Pen::solid(tint(DISAGREE, 0.6), 2.0) }
 }
 
-/// Draws a true trajectory, the positions found frame by frame, coloured by their error and tied to the truth, and the
+/// Draws a true trajectory, the single-frame positions coloured by their error and connected to the truth, and the
 /// track over the plan.
 ///
 /// # Errors
@@ -92,7 +92,7 @@ pub fn draw_trajectory(
             }
         }
         for piece in data.track {
-            // Segment by segment: joints of thick lines at sharp turns would stick out.
+            // Segment by segment: mitred joints of thick lines stick out at sharp turns.
             for pair in piece.windows(2).filter(|pair| distance(pair[0], pair[1]) < JUMP_M) {
                 canvas.line(&[px(pair[0]), px(pair[1])], Pen::solid(FOUND, 4.0))?;
             }

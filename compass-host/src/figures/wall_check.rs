@@ -1,4 +1,4 @@
-//! Walls of the plan that stand, and those that are absent.
+//! The plan's walls that were confirmed, and those found absent.
 
 use std::path::Path;
 
@@ -14,7 +14,7 @@ const MARGIN: f64 = 20.0;
 /// Radius of a position in pixels.
 const DOT: f64 = 4.0;
 
-/// Draws the verdicts on the walls of a plan, and the positions they were seen from.
+/// Draws the verdicts on the walls of a plan, and the positions of the observations.
 ///
 /// # Errors
 /// [`FigureError`] when the file cannot be written, the plan is empty, or a position is not finite.

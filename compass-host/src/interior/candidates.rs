@@ -1,4 +1,4 @@
-//! Candidate positions inside: a regular grid, completed where it misses narrow places.
+//! Candidate positions inside: a regular grid, with extra points where it misses narrow places.
 
 use compass_core::base::raster::BitMask;
 
@@ -16,12 +16,12 @@ impl Interior {
     /// with no occupied pixel nearer than `clearance_m` (between pixel centres). Where such a
     /// point is not usable, its square of `spacing_m` may hold a usable one further than 0.75
     /// spacings from all others: of 5 x 5 points the one with the largest clearance is added. The
-    /// order is row by row of the squares. [`CLEARANCE_M`](super::CLEARANCE_M) is a sound clearance.
+    /// order is row by row of the squares. The default clearance is [`CLEARANCE_M`](super::CLEARANCE_M).
     ///
     /// # Errors
     /// [`InteriorError::Size`] when the masks are not of the size of the plan that the interior
     /// was found on; [`InteriorError::Spacing`] below one pixel, [`InteriorError::Clearance`]
-    /// below 0, both also for what is no finite number.
+    /// below 0, both also when not finite.
     pub fn candidates(
         &self,
         walls: &BitMask<'_>,
@@ -72,7 +72,7 @@ impl Search<'_> {
         points.into_iter().flatten().collect()
     }
 
-    /// The pixel at a share of a square, unless it is off the plan.
+    /// The pixel at a fractional position of a square; `None` off the plan.
     fn point(&self, square: [f64; 2], share: [f64; 2]) -> Option<[u16; 2]> {
         let x = ((square[0] + share[0]) * self.spacing) as u16;
         let y = ((square[1] + share[1]) * self.spacing) as u16;
@@ -80,7 +80,7 @@ impl Search<'_> {
         on_plan.then_some([x, y])
     }
 
-    /// The point of the finer grid with the largest clearance that is usable and apart from others.
+    /// The point of the finer grid with the largest clearance that is usable and far enough from others.
     fn finer_point(&self, square: [f64; 2], others: &[[u16; 2]]) -> Option<[u16; 2]> {
         let share = |step: u32| (f64::from(step) + 0.5) / f64::from(FINER);
         let apart2 = (APART * self.spacing).powi(2);
@@ -99,7 +99,7 @@ impl Search<'_> {
         best.map(|(_, point)| point)
     }
 
-    /// Whether a pixel is inside and clear of everything occupied.
+    /// Whether a pixel is inside and has the clearance.
     fn is_usable(&self, point: [u16; 2]) -> bool {
         let [x, y] = point.map(u32::from);
         let Some(cell) = self.interior.cell_of(x, y).filter(|&cell| self.interior.inside[cell]) else {
@@ -110,7 +110,7 @@ impl Search<'_> {
             || (most >= self.clearance && self.clearance2(point) >= self.clearance * self.clearance)
     }
 
-    /// Bounds of the clearance of any pixel in a free cell: both pixels may lie in a corner of theirs.
+    /// Bounds of the clearance of any pixel in a free cell: both pixels may lie in a corner of their cells.
     fn coarse_clearance(&self, cell: usize) -> (f64, f64) {
         let side = f64::from(self.interior.cell_px);
         let between = f64::from(self.interior.distance2[cell]).sqrt();
@@ -118,7 +118,7 @@ impl Search<'_> {
         ((between - slack) * side, (between + slack) * side)
     }
 
-    /// Squared distance to the nearest occupied pixel, exact up to two cells above the wanted clearance.
+    /// Squared distance to the nearest occupied pixel, exact up to two cells above the requested clearance.
     fn clearance2(&self, point: [u16; 2]) -> f64 {
         let interior = self.interior;
         let [x, y] = point.map(u32::from);

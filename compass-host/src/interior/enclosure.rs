@@ -1,7 +1,7 @@
-//! How many of 64 rays from a cell meet something occupied before they leave the plan.
+//! Number of 64 rays from a cell that hit something occupied before they leave the plan.
 //!
 //! All rays of one direction are parallel digital lines. Swept row by row against the direction,
-//! "the ray from here meets something" of a row is that of the row before, shifted by the step of
+//! "the ray from here has a hit" of a row is that of the row before, shifted by the step of
 //! the line, or'ed with the row itself: 64 cells in one word, so every cell is exact and the cost
 //! does not depend on the length of the rays. Flat directions are swept over the transpose.
 
@@ -14,7 +14,7 @@ const SLOPES: u8 = RAYS / 4;
 /// Bit planes of a counter up to `RAYS / 2`.
 const PLANES: usize = 6;
 
-/// Rays that meet something, of [`RAYS`], for every cell of the grid.
+/// Rays with a hit, of [`RAYS`], for every cell of the grid.
 pub(super) fn hits(grid: &Grid) -> Vec<u8> {
     let (columns, rows) = (grid.columns, grid.rows);
     let upright = Bits::new(columns, rows, |x, y| grid.occupied[y * columns + x]).sweep();
@@ -40,7 +40,7 @@ pub(super) fn hits(grid: &Grid) -> Vec<u8> {
     hits
 }
 
-/// The counter of one cell out of its bit planes.
+/// The counter of one cell, gathered from its bit planes.
 fn count(planes: &[u64; PLANES], bit: usize) -> u8 {
     planes.iter().rev().fold(0, |sum, plane| 2 * sum + u8::from(plane >> bit & 1 == 1))
 }
@@ -64,7 +64,7 @@ impl Bits {
         Self { words, rows, bits }
     }
 
-    /// Counts, per cell, the rays within 45 degrees of the y axis (both ways) that meet something.
+    /// Counts, per cell, the rays within 45 degrees of the y axis (both ways) that have a hit.
     fn sweep(&self) -> Vec<[u64; PLANES]> {
         let mut counters = vec![[0; PLANES]; self.bits.len()];
         for slope in 0..SLOPES {

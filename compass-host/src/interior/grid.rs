@@ -1,8 +1,8 @@
-//! Cells of a plan with a free margin: occupancy, exact distances, the flood from the outside.
+//! Cells of a plan with a free margin: occupancy, exact distances, flood fill from the outside.
 
 use compass_core::base::raster::BitMask;
 
-/// Distance of a cell when nothing is marked; its square still fits with room for a sum.
+/// Distance of a cell when nothing is marked; its square leaves headroom for a sum.
 const FAR: i32 = 20_000;
 
 /// Occupied cells, row by row from the south, with a margin of free cells on all sides.
@@ -38,7 +38,7 @@ impl Grid {
         (self.columns - 2 * self.margin, self.rows - 2 * self.margin)
     }
 
-    /// The cells of the plan proper.
+    /// The cells of the plan without the margin.
     pub(super) fn without_margin<T: Copy>(&self, cells: &[T]) -> Vec<T> {
         let (columns, rows) = self.plan_size();
         cells
@@ -51,9 +51,8 @@ impl Grid {
     }
 
     /// Squared Euclidean distance from every cell centre to the nearest marked one, in cells.
-    ///
-    /// Exact (Meijster, Roerdink, Hesselink, "A general algorithm for computing distance
-    /// transforms in linear time", 2000); beyond [`FAR`] only known to be far.
+    /// Exact (Meijster, Roerdink, Hesselink, "A general algorithm for computing distance transforms in linear time",
+    /// 2000) up to [`FAR`]; larger distances are only known to exceed it.
     pub(super) fn distance2(&self, marked: &[bool]) -> Vec<i32> {
         let mut distance = self.along_columns(marked);
         let mut parabolas = Vec::with_capacity(self.columns);

@@ -1,4 +1,4 @@
-//! How near the outside is: what tells a facade from an inner wall.
+//! Distance to the outside, which distinguishes a facade from an inner wall.
 
 use super::Interior;
 use super::grid::Grid;
@@ -6,8 +6,8 @@ use super::grid::Grid;
 impl Interior {
     /// For every cell, row by row from the south, whether the outside is within `reach_m` metres of it.
     ///
-    /// Outside is what can be reached from beyond the plan over free cells that are not inside; a shaft that is
-    /// closed all around is not.
+    /// Outside is every place connected with the border of the plan over free cells that are not inside; an enclosed
+    /// shaft is not.
     #[must_use]
     pub fn near_outside(&self, reach_m: f64) -> Vec<bool> {
         let margin = 1;
@@ -28,7 +28,7 @@ impl Interior {
         grid.without_margin(&near)
     }
 
-    /// The cells along x and y that pixel `x`, `y` falls in, as an index of [`inside`](Self::inside); `None` off the plan.
+    /// The index in [`inside`](Self::inside) of the cell of pixel `x`, `y`; `None` off the plan.
     #[must_use]
     pub fn cell(&self, x: u32, y: u32) -> Option<usize> {
         self.cell_of(x, y)

@@ -1,4 +1,4 @@
-//! ASCII-art plans (`#` wall, `o` window, north up), and the real plans when they are at hand.
+//! ASCII-art plans (`#` wall, `o` window, north up), and the real plans if available.
 
 use std::time::Instant;
 
@@ -123,7 +123,7 @@ fn open_plans_have_no_interior() {
     assert_eq!(drawn(&columns, 0.5, &InteriorOptions::default()), none);
     assert_eq!(drawn(&["    ", "    "], 0.5, &InteriorOptions::default()), none);
     assert_eq!(drawn(&["####", "####"], 0.5, &InteriorOptions::default()), none);
-    // A closed duct of 0.25 m2 is no room.
+    // A closed duct of 0.25 m2 is not a room.
     let duct = drawn(&["###", "# #", "###"], 0.5, &InteriorOptions::default());
     assert!(matches!(duct, Err(InteriorError::NoInterior { .. })), "{duct:?}");
     let message = InteriorError::NoInterior { max_gap_m: 12.0 }.to_string();

@@ -1,16 +1,15 @@
 //! Pixels to walls and glazing.
 //!
-//! **First look**, each pixel alone. Redness is `R - max(G, B)`, luma is that of BT.601.
+//! **First pass**, each pixel alone. Redness is `R - max(G, B)`, luma is that of BT.601.
 //! - glazing: redness at least `red_excess`; *faint* when below twice that
 //! - wall: luma below `dark_below`; *plain* when below 3/4 of that with redness below a quarter of
 //!   `red_excess` (black or dark gray ink), else *doubtful*
 //! - free: the rest
 //!
-//! In a pair, glazing is also what is dark in the plan and not dark in the image of the walls, faint
-//! when the two lumas differ by less than [`FAINT_STEP`]; the walls image alone says what is wall,
-//! and its walls are all plain.
+//! In a pair, glazing is also what is dark in the plan and not dark in the walls image, faint when the two lumas
+//! differ by less than [`FAINT_STEP`]; the walls image alone defines the walls, and all of them are plain.
 //!
-//! **Second look**, for the doubtful and the faint, at their eight neighbours. Smoothed edges and
+//! **Second pass**, for doubtful and faint pixels, by their eight neighbours. Smoothed edges and
 //! JPEG's coarse chroma turn the rim of a red line dark and the rim of a black line reddish:
 //! - a doubtful wall pixel that touches glazing, but no wall that is plain or away from glazing, is
 //!   the rim of that glazing
@@ -18,13 +17,13 @@
 //!   less glazing than the straight rim of a line does, is the rim of that wall: wall when dark,
 //!   else free
 //!
-//! All pixels are judged by the first look of their neighbours, so the order does not matter. Plain
-//! and full pixels are never changed: clean drawings keep every pixel. Cost: one pass, and 3 x 3
-//! or 5 x 5 pixels for each doubtful or faint one; gray images need neither map nor second look.
+//! All pixels are judged by the first-pass class of their neighbours, so the order does not matter. Plain and full
+//! pixels never change: clean drawings keep every pixel. Cost: one pass, and 3 x 3 or 5 x 5 pixels for each doubtful
+//! or faint one; gray images need neither map nor second pass.
 
 use crate::image_file::{Pixels, Samples};
 
-/// Luma steps between the two images of a pair from which glazing is certain.
+/// Luma difference between the two images of a pair from which glazing is certain.
 const FAINT_STEP: u8 = 64;
 
 /// Glazing neighbours of a pixel on the straight rim of glazing: three within, two along the rim.
@@ -37,12 +36,12 @@ const WINDOW: u8 = 3;
 const FAINT_DARK: u8 = 4;
 const FAINT_LIGHT: u8 = 5;
 
-/// What counts as dark and as red.
+/// Thresholds of dark and of red.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ink {
-    /// Whether darkness is the luma itself instead of its complement (a negated map).
+    /// Whether the image is negated: darkness is then the luma itself instead of its complement.
     pub inverted: bool,
-    /// The first luma that is not dark, 0..=256, after inversion.
+    /// The lowest luma that is not dark, 0..=256, after inversion.
     pub dark_below: u16,
     /// The least redness of glazing.
     pub red_excess: u8,
@@ -62,7 +61,7 @@ impl Ink {
         u16::from(luma) < self.dark_below
     }
 
-    /// First look at a colour pixel.
+    /// First pass for a colour pixel.
     fn judge(&self, rgb: [u8; 3]) -> u8 {
         let redness = redness(rgb);
         let luma = self.luma(luma_of(rgb));
@@ -83,7 +82,7 @@ impl Ink {
     }
 }
 
-/// Walls and glazing, packed as `BitMask` wants them, south row first.
+/// Walls and glazing in the layout of `BitMask`, south row first.
 #[derive(Debug)]
 pub(super) struct Masks {
     pub walls: Vec<u8>,
@@ -107,15 +106,15 @@ pub(super) fn one_image(plan: &Pixels, ink: &Ink) -> Masks {
             Masks { windows: vec![0; walls.len()], walls }
         }
         Samples::Rgb(rgb) => {
-            second_look(&rgb.as_chunks::<3>().0.iter().map(|&p| ink.judge(p)).collect::<Vec<_>>(), width)
+            resolve_doubtful(&rgb.as_chunks::<3>().0.iter().map(|&p| ink.judge(p)).collect::<Vec<_>>(), width)
         }
     }
 }
 
-/// Walls of `walls`, and as glazing what `plan` has beyond them. Both have the same size.
+/// Walls from `walls`, and as glazing what `plan` has beyond them. Both have the same size.
 pub(super) fn pair(plan: &Pixels, walls: &Pixels, ink: &Ink) -> Masks {
     let (plan_luma, walls_luma) = (lumas(plan, ink), lumas(walls, ink));
-    let mut looks: Vec<u8> = plan_luma
+    let mut classes: Vec<u8> = plan_luma
         .iter()
         .zip(&walls_luma)
         .map(|(&p, &w)| match (ink.is_dark(w), ink.is_dark(p)) {
@@ -126,15 +125,15 @@ pub(super) fn pair(plan: &Pixels, walls: &Pixels, ink: &Ink) -> Masks {
         })
         .collect();
     if let Samples::Rgb(rgb) = &plan.samples {
-        for (look, &pixel) in looks.iter_mut().zip(rgb.as_chunks::<3>().0) {
-            *look = match (*look, ink.judge(pixel)) {
+        for (class, &pixel) in classes.iter_mut().zip(rgb.as_chunks::<3>().0) {
+            *class = match (*class, ink.judge(pixel)) {
                 (FREE | FAINT_LIGHT, WINDOW) => WINDOW,
                 (FREE, FAINT_DARK | FAINT_LIGHT) => FAINT_LIGHT,
-                (look, _) => look,
+                (class, _) => class,
             };
         }
     }
-    second_look(&looks, plan.width as usize)
+    resolve_doubtful(&classes, plan.width as usize)
 }
 
 fn redness([r, g, b]: [u8; 3]) -> u8 {
@@ -168,21 +167,21 @@ fn pack(values: &[u8], width: usize, set: impl Fn(u8) -> bool + Copy) -> Vec<u8>
     packed
 }
 
-/// Settles doubtful and faint pixels by their neighbours and packs the two masks.
-fn second_look(looks: &[u8], width: usize) -> Masks {
-    let walls = pack(looks, width, |look| matches!(look, WALL | DOUBTFUL_WALL));
-    let windows = pack(looks, width, |look| matches!(look, WINDOW | FAINT_DARK | FAINT_LIGHT));
+/// Resolves doubtful and faint pixels by their neighbours and packs the two masks.
+fn resolve_doubtful(classes: &[u8], width: usize) -> Masks {
+    let walls = pack(classes, width, |class| matches!(class, WALL | DOUBTFUL_WALL));
+    let windows = pack(classes, width, |class| matches!(class, WINDOW | FAINT_DARK | FAINT_LIGHT));
     let mut masks = Masks { walls, windows };
-    let map = Looks { looks, width };
+    let map = Classes { classes, width };
     let row_bytes = width.div_ceil(8);
-    for (south, row) in looks.rchunks_exact(width).enumerate() {
-        let north = looks.len() / width - 1 - south;
-        for (x, &look) in row.iter().enumerate() {
-            let Some(settled) = map.refine_fine(look, x, north) else { continue };
+    for (south, row) in classes.rchunks_exact(width).enumerate() {
+        let north = classes.len() / width - 1 - south;
+        for (x, &class) in row.iter().enumerate() {
+            let Some(resolved) = map.resolve(class, x, north) else { continue };
             let (at, bit) = (south * row_bytes + x / 8, 1_u8 << (x % 8));
             masks.walls[at] &= !bit;
             masks.windows[at] &= !bit;
-            match settled {
+            match resolved {
                 WALL => masks.walls[at] |= bit,
                 WINDOW => masks.windows[at] |= bit,
                 _ => {}
@@ -192,17 +191,17 @@ fn second_look(looks: &[u8], width: usize) -> Masks {
     masks
 }
 
-/// The first look at every pixel, top row first.
+/// The first-pass class of every pixel, top row first.
 #[derive(Clone, Copy)]
-struct Looks<'a> {
-    looks: &'a [u8],
+struct Classes<'a> {
+    classes: &'a [u8],
     width: usize,
 }
 
-impl Looks<'_> {
-    /// What the pixel becomes when its neighbours overrule the first look.
-    fn refine_fine(self, look: u8, x: usize, y: usize) -> Option<u8> {
-        match look {
+impl Classes<'_> {
+    /// The class of the pixel when its neighbours overrule the first pass.
+    fn resolve(self, class: u8, x: usize, y: usize) -> Option<u8> {
+        match class {
             DOUBTFUL_WALL => (self.touches_glazing(x, y) && !self.touches_sound_wall(x, y)).then_some(WINDOW),
             FAINT_DARK if self.is_wall_rim(x, y) => Some(WALL),
             FAINT_LIGHT if self.is_wall_rim(x, y) => Some(FREE),
@@ -211,36 +210,36 @@ impl Looks<'_> {
     }
 
     fn touches_glazing(self, x: usize, y: usize) -> bool {
-        self.around(x, y).any(|(look, ..)| is_glazing(look))
+        self.around(x, y).any(|(class, ..)| is_glazing(class))
     }
 
     fn touches_sound_wall(self, x: usize, y: usize) -> bool {
         self.around(x, y)
-            .any(|(look, x, y)| look == WALL || (look == DOUBTFUL_WALL && !self.touches_glazing(x, y)))
+            .any(|(class, x, y)| class == WALL || (class == DOUBTFUL_WALL && !self.touches_glazing(x, y)))
     }
 
     fn is_wall_rim(self, x: usize, y: usize) -> bool {
         let (mut walls, mut glazing) = (0, 0);
-        for (look, ..) in self.around(x, y) {
-            walls += u32::from(matches!(look, WALL | DOUBTFUL_WALL));
-            glazing += u32::from(is_glazing(look));
+        for (class, ..) in self.around(x, y) {
+            walls += u32::from(matches!(class, WALL | DOUBTFUL_WALL));
+            glazing += u32::from(is_glazing(class));
         }
         walls > glazing || (walls >= 3 && glazing < STRAIGHT_RIM)
     }
 
     /// The neighbours of (x, y) inside the image, with their positions.
     fn around(self, x: usize, y: usize) -> impl Iterator<Item = (u8, usize, usize)> {
-        let height = self.looks.len() / self.width;
+        let height = self.classes.len() / self.width;
         let rows = y.saturating_sub(1)..(y + 2).min(height);
         let columns = x.saturating_sub(1)..(x + 2).min(self.width);
         rows.flat_map(move |v| columns.clone().map(move |u| (u, v)))
             .filter(move |&at| at != (x, y))
-            .map(move |(u, v)| (self.looks[v * self.width + u], u, v))
+            .map(move |(u, v)| (self.classes[v * self.width + u], u, v))
     }
 }
 
-fn is_glazing(look: u8) -> bool {
-    matches!(look, WINDOW | FAINT_DARK | FAINT_LIGHT)
+fn is_glazing(class: u8) -> bool {
+    matches!(class, WINDOW | FAINT_DARK | FAINT_LIGHT)
 }
 
 #[cfg(test)]
@@ -251,12 +250,12 @@ mod tests {
 
     const INK: Ink = Ink { inverted: false, dark_below: 128, red_excess: 60 };
 
-    /// Settles a drawing: `#` wall, `d` doubtful, `W` glazing, `f` faint dark, `l` faint light.
-    fn settled(drawing: &[&str]) -> Vec<String> {
+    /// Resolves a drawing: `#` wall, `d` doubtful, `W` glazing, `f` faint dark, `l` faint light.
+    fn resolved(drawing: &[&str]) -> Vec<String> {
         let width = drawing[0].len();
-        let looks: Vec<u8> =
+        let classes: Vec<u8> =
             drawing.concat().bytes().map(|c| ".#dWfl".find(char::from(c)).unwrap() as u8).collect();
-        let masks = second_look(&looks, width);
+        let masks = resolve_doubtful(&classes, width);
         let height = u32::try_from(drawing.len()).unwrap();
         let columns = u32::try_from(width).unwrap();
         let walls = BitMask::new(&masks.walls, columns, height).unwrap();
@@ -308,25 +307,25 @@ mod tests {
             "##WWWWWWWWW##",
             ".............",
         ];
-        assert_eq!(settled(&drawing), wanted.map(|row| row.replace('d', "#")));
+        assert_eq!(resolved(&drawing), wanted.map(|row| row.replace('d', "#")));
     }
 
     #[test]
     fn clean_ink_is_never_changed() {
         let drawing = ["##W#WW#", "..W....", "#WW####", "#W#W#W#"];
-        assert_eq!(settled(&drawing), drawing);
+        assert_eq!(resolved(&drawing), drawing);
     }
 
     #[test]
     fn reddish_rim_of_a_wall_is_dropped_or_joins_it() {
         let drawing = ["llllll", "######", "######", "ffffff", "......"];
-        assert_eq!(settled(&drawing), ["......", "######", "######", "######", "......"]);
+        assert_eq!(resolved(&drawing), ["......", "######", "######", "######", "......"]);
     }
 
     #[test]
     fn faint_glazing_lives_in_the_open_and_beside_full_glazing() {
         let drawing = ["#lll#", ".....", "#lWl#", "....."];
-        assert_eq!(settled(&drawing), ["#WWW#", ".....", "#WWW#", "....."]);
+        assert_eq!(resolved(&drawing), ["#WWW#", ".....", "#WWW#", "....."]);
     }
 
     #[test]

@@ -4,7 +4,7 @@ use crate::image_file::ImageFileError;
 use std::path::PathBuf;
 use thiserror::Error;
 
-/// Why a plan could not be imported: one line, with the file at fault.
+/// Why a plan could not be imported: one line that names the file at fault.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum PlanImportError {
@@ -16,7 +16,7 @@ pub enum PlanImportError {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         source: std::io::Error,
     },
     /// The two images of a pair differ in size.
@@ -57,19 +57,19 @@ pub enum PlanImportError {
     Yaml {
         /// The description.
         path: PathBuf,
-        /// What the parser said, with line and column where known, in one line.
+        /// The parser's message, with line and column where known, in one line.
         reason: String,
     },
-    /// A value is outside what is accepted.
+    /// A value is out of the accepted range.
     #[error("{}: {field} is {value}; {wanted}", path.display())]
     Value {
         /// The plan or the map description.
         path: PathBuf,
-        /// What the value is for.
+        /// The meaning of the value.
         field: &'static str,
-        /// The value refused.
+        /// The rejected value.
         value: String,
-        /// What would be accepted.
+        /// The accepted values.
         wanted: &'static str,
     },
 }

@@ -1,8 +1,8 @@
 //! Floor plans from image files: a wall mask and a glazing mask, south row first.
 //!
-//! Three inputs are read: one image (dark = wall, red = glazing), a pair of images of one size
-//! (glazing = what the plan has beyond the walls), or a ROS `map_server` description (`.yaml`).
-//! How a pixel is judged is told in `classify`; this module checks what surrounds the pixels.
+//! Three inputs are supported: one image (dark = wall, red = glazing), a pair of images of one size (glazing = what
+//! the plan has beyond the walls), or a ROS `map_server` description (`.yaml`). `classify` classifies the pixels; this
+//! module checks everything else.
 
 mod classify;
 mod error;
@@ -30,7 +30,7 @@ pub const DEFAULT_DARK_BELOW: u8 = 128;
 /// `R - max(G, B)` from which a pixel is red, unless the options say otherwise.
 pub const DEFAULT_RED_EXCESS: u8 = 60;
 
-/// Where a plan is and how to read it.
+/// The location of a plan and how to read it.
 #[derive(Debug, Clone)]
 pub struct PlanOptions {
     /// An image, or a ROS `map_server` description ending in `.yaml` or `.yml`.
@@ -49,7 +49,7 @@ pub struct PlanOptions {
 }
 
 impl PlanOptions {
-    /// The plan in `plan`, read with the default thresholds.
+    /// Options for the plan in `plan` with the default thresholds.
     #[must_use]
     pub fn new(plan: impl Into<PathBuf>) -> Self {
         Self {
@@ -65,8 +65,8 @@ impl PlanOptions {
 
 /// Walls and glazing of a plan as two disjoint masks in the layout of [`BitMask`].
 ///
-/// Row 0 is the southernmost row. The fields are public for callers that store or compare them;
-/// whoever changes one keeps them in step.
+/// Row 0 is the southernmost row. The fields are public for callers that store or compare them; a caller that changes
+/// one must keep the others consistent.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlanRaster {
     /// Pixels along x.
@@ -94,7 +94,7 @@ impl PlanRaster {
     /// The walls as a mask of the core.
     ///
     /// # Panics
-    /// When the fields were changed to contradict each other, or [`Self::empty`] was given a side of 0
+    /// When the fields were changed inconsistently, or [`Self::empty`] was given a side of 0
     /// or above [`MAX_SIDE`](compass_core::base::raster::MAX_SIDE); never for what [`load`] returns.
     #[must_use]
     pub fn walls_mask(&self) -> BitMask<'_> {
@@ -104,7 +104,7 @@ impl PlanRaster {
     /// The glazing as a mask of the core.
     ///
     /// # Panics
-    /// When the fields were changed to contradict each other, or [`Self::empty`] was given a side of 0
+    /// When the fields were changed inconsistently, or [`Self::empty`] was given a side of 0
     /// or above [`MAX_SIDE`](compass_core::base::raster::MAX_SIDE); never for what [`load`] returns.
     #[must_use]
     pub fn windows_mask(&self) -> BitMask<'_> {
@@ -175,9 +175,9 @@ fn put(mask: &mut [u8], other: &mut [u8], at: Option<(usize, u8)>) {
 /// Reads the plan that `options` describe.
 ///
 /// # Errors
-/// [`PlanImportError`]: a file that is missing, no image or truncated; a plan of one colour or
-/// without walls; a pair of two sizes; a map description with missing or refused fields; a
-/// resolution outside [`RESOLUTION_RANGE_M`] or an origin that is not finite.
+/// [`PlanImportError`]: a file that is missing, not an image or truncated; a plan of one colour or without walls; a
+/// pair of two sizes; a map description with missing or rejected fields; a resolution outside [`RESOLUTION_RANGE_M`]
+/// or an origin that is not finite.
 pub fn load(options: &PlanOptions) -> Result<PlanRaster, PlanImportError> {
     let source = Source::of(options)?;
     check_resolution(&options.plan, source.resolution_m)?;
@@ -205,7 +205,7 @@ pub fn load(options: &PlanOptions) -> Result<PlanRaster, PlanImportError> {
     Ok(PlanRaster { width: plan.width, height: plan.height, walls, windows, resolution_m, origin })
 }
 
-/// The plan image and how to read it, once options, map description and defaults are merged.
+/// The plan image and how to read it, after merging options, map description and defaults.
 struct Source {
     image: PathBuf,
     resolution_m: f64,

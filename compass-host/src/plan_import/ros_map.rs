@@ -1,9 +1,9 @@
 //! The description file of a ROS `map_server` map.
 //!
-//! Fields `image`, `resolution`, `origin` (x, y, yaw), `negate`, `occupied_thresh` are needed, as
-//! `map_server` itself needs them; `free_thresh`, `mode` and anything else are passed over: what is
-//! not occupied is free here. Occupancy of a pixel of value `v` is `(255 - v) / 255`, of a negated
-//! map `v / 255`; the pixel is occupied when that is above `occupied_thresh`.
+//! The fields `image`, `resolution`, `origin` (x, y, yaw), `negate` and `occupied_thresh` are required, as by
+//! `map_server` itself; `free_thresh`, `mode` and others are ignored: what is not occupied is free here. Occupancy of
+//! a pixel of value `v` is `(255 - v) / 255`, in a negated map `v / 255`; the pixel is occupied when that is above
+//! `occupied_thresh`.
 
 use std::path::{Path, PathBuf};
 
@@ -12,13 +12,13 @@ use serde::Deserialize;
 use super::error::PlanImportError;
 use crate::image_file::one_line;
 
-/// Largest yaw taken for zero, in radians: a map 100 m across turns by less than 1 mm.
+/// Largest yaw treated as zero, in radians: across 100 m it shifts a map by less than 1 mm.
 const YAW_SLACK: f64 = 1e-5;
 
-/// What a map description says.
+/// The contents of a map description.
 #[derive(Debug)]
 pub(super) struct RosMap {
-    /// The image, found from the folder of the description.
+    /// Path of the image, resolved against the folder of the description.
     pub image: PathBuf,
     /// Metres per pixel, as written.
     pub resolution_m: f64,
@@ -31,7 +31,7 @@ pub(super) struct RosMap {
 }
 
 impl RosMap {
-    /// The first darkness (value, or 255 - value in a negated map) that is not occupied.
+    /// The lowest darkness (value, or 255 - value in a negated map) that is not occupied.
     pub(super) fn dark_below(&self) -> u16 {
         let occupied = |v: &u16| f64::from(255 - *v) / 255.0 > self.occupied_thresh;
         (0..=255_u16).find(|v| !occupied(v)).unwrap_or(256)
@@ -47,7 +47,7 @@ struct Fields {
     occupied_thresh: f64,
 }
 
-/// `map_server` writes 0 or 1; its ROS 2 successor also takes true or false.
+/// `map_server` writes 0 or 1; its ROS 2 successor also accepts true or false.
 #[derive(Deserialize)]
 #[serde(untagged)]
 enum Flag {
@@ -55,7 +55,7 @@ enum Flag {
     Number(u8),
 }
 
-/// Reads the description at `path`; the image it names is not opened.
+/// Reads the description at `path` without opening the image.
 pub(super) fn read(path: &Path) -> Result<RosMap, PlanImportError> {
     let yaml = |reason: String| PlanImportError::Yaml { path: path.to_path_buf(), reason };
     let bytes =
@@ -83,12 +83,12 @@ pub(super) fn read(path: &Path) -> Result<RosMap, PlanImportError> {
     })
 }
 
-/// x and y of `origin`; a turned map is refused, since the masks cannot turn with it.
+/// x and y of `origin`; a rotated map is rejected, since the masks are axis-aligned.
 fn position(path: &Path, origin: &[f64]) -> Result<[f64; 2], PlanImportError> {
     let [x, y, yaw] = *origin else {
         return Err(refused(path, "origin", format!("{origin:?}"), "three numbers [x, y, yaw] are needed"));
     };
-    // Written so that NaN is refused as well.
+    // Negated comparison, so that NaN is rejected as well.
     if yaw.abs() <= YAW_SLACK {
         return Ok([x, y]);
     }

@@ -1,6 +1,6 @@
-//! The load-bearing part of a plan: what stands on a building site before the fit-out does.
+//! The load-bearing part of a plan: what stands on a building site before the fit-out.
 //!
-//! Plans of a finished building show partitions and interior glazing that cameras in the shell never meet. Kept are
+//! Plans of a finished building show partitions and interior glazing that do not exist in the shell. This module keeps
 //! walls at least as thick as a bound, found by morphological opening with a square of that side, and the glazing of
 //! the facade: within [`FACADE_M`] of the outside that [`interior`] finds.
 //!
@@ -12,9 +12,9 @@ use crate::interior::{self, InteriorError, InteriorOptions};
 use compass_core::base::raster::BitMask;
 use thiserror::Error;
 
-/// Thinnest wall that bears load, in metres, unless the caller knows better.
+/// Default thickness of the thinnest load-bearing wall, metres.
 pub const DEFAULT_THICKNESS_M: f64 = 0.25;
-/// Glazing within this distance of the outside is of the facade, in metres.
+/// Glazing within this distance of the outside belongs to the facade, metres.
 pub const FACADE_M: f64 = 0.8;
 /// Thickest bound accepted, in metres.
 pub const MOST_THICKNESS_M: f64 = 5.0;
@@ -23,13 +23,13 @@ pub const MOST_THICKNESS_M: f64 = 5.0;
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[non_exhaustive]
 pub enum StructureError {
-    /// The bound is no thickness.
+    /// The bound is out of range.
     #[error("structure thicker than {0} m was asked for, expected above 0 and at most {MOST_THICKNESS_M}")]
     Thickness(f64),
     /// No wall is that thick.
     #[error("no wall is {0} m thick")]
     NoWalls(f64),
-    /// There is no telling the facade.
+    /// The facade cannot be determined.
     #[error(transparent)]
     Interior(#[from] InteriorError),
 }
@@ -37,7 +37,7 @@ pub enum StructureError {
 /// Keeps walls at least `thickness_m` thick, and the glazing of the facade.
 ///
 /// # Errors
-/// [`StructureError`]: a bound out of range, a plan without interior, or without a wall so thick.
+/// [`StructureError`]: a bound out of range, a plan without interior, or no wall as thick as the bound.
 pub fn keep_structure(raster: &PlanRaster, thickness_m: f64) -> Result<PlanRaster, StructureError> {
     if !(thickness_m > 0.0 && thickness_m <= MOST_THICKNESS_M) {
         return Err(StructureError::Thickness(thickness_m));
@@ -56,7 +56,7 @@ pub fn keep_structure(raster: &PlanRaster, thickness_m: f64) -> Result<PlanRaste
     Ok(kept)
 }
 
-/// Clears the glazing that is not to be kept.
+/// Clears the glazing that is not selected.
 fn keep_pixels(raster: &mut PlanRaster, keep: impl Fn(u32, u32) -> bool) {
     let row_bytes = BitMask::row_bytes(raster.width);
     for (y, row) in (0..).zip(raster.windows.chunks_exact_mut(row_bytes)) {
@@ -98,7 +98,7 @@ impl Bits {
         let (words, last) = (self.words, self.last);
         // The square's lower left pixels ...
         for row in self.bits.chunks_exact_mut(words) {
-            // Padding must not count.
+            // Padding bits must stay clear.
             row[words - 1] &= last;
             doubling(side, |by| (0..words).for_each(|at| row[at] &= from_right(row, at, by)));
         }
@@ -107,7 +107,7 @@ impl Bits {
             (0..kept).for_each(|at| self.bits[at] &= self.bits[at + by * words]);
             self.bits[kept..].fill(0);
         });
-        // ... and all of its pixels again.
+        // ... and all pixels of their squares.
         for row in self.bits.chunks_exact_mut(words) {
             doubling(side, |by| (0..words).rev().for_each(|at| row[at] |= from_left(row, at, by)));
         }
@@ -117,7 +117,7 @@ impl Bits {
     }
 }
 
-/// Calls `step` with shifts that bring a run of 1 to a run of `side`.
+/// Calls `step` with shifts that extend a run of 1 to a run of `side`.
 fn doubling(side: usize, mut step: impl FnMut(usize)) {
     let mut have = 1;
     while have < side {
@@ -146,7 +146,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// The opening from its definition.
+    /// The opening by its definition.
     fn opened(raster: &PlanRaster, side: u32) -> Vec<(u32, u32)> {
         let mut kept = std::collections::BTreeSet::new();
         for (x, y) in (0..raster.height).flat_map(|y| (0..raster.width).map(move |x| (x, y))) {

@@ -1,4 +1,4 @@
-//! Whole files in, masks out.
+//! Import of whole files.
 
 use std::io::Cursor;
 use std::time::Instant;
@@ -45,7 +45,7 @@ fn room(k: u32, shift: u32) -> RgbImage {
     image
 }
 
-/// The room drawn four times as large, off the pixel grid by `shift` quarters, and averaged.
+/// The room drawn at four times the size, off the pixel grid by `shift` quarters, and averaged.
 fn smooth_room(shift: u32) -> RgbImage {
     let large = room(4, shift);
     RgbImage::from_fn(160, 120, |x, y| {
@@ -58,7 +58,7 @@ fn smooth_room(shift: u32) -> RgbImage {
     })
 }
 
-/// What 4:2:0 coding does to colour: chroma averaged over 2 x 2 pixels, luma kept.
+/// The effect of 4:2:0 coding on colour: chroma averaged over 2 x 2 pixels, luma kept.
 fn coarse_chroma(image: &RgbImage) -> RgbImage {
     let ycc = |p: &Rgb<u8>| {
         let [r, g, b] = p.0.map(f64::from);
@@ -104,13 +104,13 @@ fn near(plan: &PlanRaster, x: u32, y: u32, is: impl Fn(&PlanRaster, u32, u32) ->
     (0..9).any(|i| is(plan, (x + i % 3).wrapping_sub(1), (y + i / 3).wrapping_sub(1)))
 }
 
-/// The crisp room, and the one a pixel on when the drawing lies between the two and touches both.
+/// The crisp room, and the one shifted by a pixel when the drawing lies between the two and touches both.
 fn truths(shift: u32) -> Vec<PlanRaster> {
     (0..=shift.min(1)).map(|on| import(&png(&room(1, on).into())).unwrap()).collect()
 }
 
-/// What is found lies within one pixel of what the drawing touches; what all of `truths` have
-/// lies within one pixel of what is found; and where all are solid, so is what is found.
+/// Every pixel found lies within one pixel of one that the drawing touches; every pixel in all of `truths` lies within
+/// one pixel of one found; and where all are solid, so is the result.
 fn assert_same_but_rims(found: &PlanRaster, truths: &[PlanRaster], what: &str) {
     let truth = &truths[0];
     for y in 0..truth.height {
@@ -129,7 +129,7 @@ fn assert_same_but_rims(found: &PlanRaster, truths: &[PlanRaster], what: &str) {
 
 type Is = fn(&PlanRaster, u32, u32) -> bool;
 
-/// No wall along glazing: beside the long sides of a window, two pixels from its ends, none is wall.
+/// No wall along glazing: beside the long sides of a window, two pixels from its ends, no pixel is wall.
 fn assert_no_wall_along_windows(found: &PlanRaster, what: &str) {
     for (xs, ys) in [(32..58, 100..110), (92..128, 7..18), (142..153, 45..87), (76..87, 70..85)] {
         for (x, y) in ys.flat_map(|y| xs.clone().map(move |x| (x, y))) {
@@ -241,7 +241,7 @@ fn smoothed_pair_differs_by_rims_only() {
         let [plan, walls] = ["plan.jpg", "walls.jpg"].map(|name| folder.path().join(name));
         let image = smooth_room(shift);
         let mut bare = image.clone();
-        // Red to white: what is red has full R, so R alone is the walls.
+        // Red to white: red pixels have full R, so R alone shows the walls.
         bare.pixels_mut().for_each(|p| p.0 = [p.0[0]; 3]);
         let black = image::DynamicImage::from(RgbImage::from_fn(160, 120, |x, y| {
             Rgb([image.get_pixel(x, y).0[1]; 3])

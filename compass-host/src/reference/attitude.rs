@@ -1,15 +1,16 @@
-//! The vertical vanishing point again: arcs by the reference's lenses, directions by an eigenvalue decomposition.
+//! Vertical vanishing point: arcs from the reference's lenses, directions by eigenvalue decomposition.
 
 use super::camera::Camera;
 use compass_core::vision::camera::View;
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
-/// Arcs end within this of the optical axis, and are at least and weigh at most so long, degrees.
+/// Largest angle of an arc's ends from the optical axis, least arc length, and length at which the weight saturates,
+/// degrees.
 const FIELD_DEG: f64 = 92.0;
 const LENGTH_DEG: [f64; 2] = [0.1, 25.0];
-/// Arcs whose middle is this near to a direction say nothing about it, degrees.
+/// Arcs whose midpoint is this near to a direction are uninformative about it, degrees.
 const NEAR_DEG: f64 = 20.0;
-/// Rounds until the weights no longer change.
+/// Upper limit of iterations until the weights are stable.
 const ROUNDS: usize = 200;
 
 /// A segment on the unit sphere, in the axes of camera 0.
@@ -21,7 +22,7 @@ pub struct Arc {
 }
 
 impl Arc {
-    /// The arc between two pixels of a view; `None` beyond the field, or if it is too short.
+    /// The arc between two pixels of a view; `None` out of the field, or if it is too short.
     #[must_use]
     pub fn new(ends: [[f64; 2]; 2], view: &View) -> Option<Self> {
         let camera = Camera::from(&view.camera);
@@ -38,8 +39,8 @@ impl Arc {
         })
     }
 
-    /// The angle by which the arc must turn about its middle to point to a direction, over the tolerance: squares of
-    /// their sines.
+    /// The angle by which the arc must turn about its midpoint to point to a direction, relative to the tolerance: the
+    /// squared ratio of the sines.
     fn residual(&self, direction: &Vector3<f64>, tolerance_deg: f64) -> f64 {
         let near = self.middle.dot(direction);
         if near.abs() > NEAR_DEG.to_radians().cos() {
@@ -50,8 +51,8 @@ impl Arc {
     }
 }
 
-/// The direction near `start` that the arcs around it agree on: the one with the least weighted sum of squared sines to
-/// their great circles, weights and direction found in turn until neither changes.
+/// The consensus direction near `start`: it minimizes the weighted sum of squared sines to the great circles of the
+/// arcs around it; weights and direction are updated in turn until neither changes.
 #[must_use]
 pub fn refined(arcs: &[Arc], start: Vector3<f64>, tolerance_deg: f64) -> Vector3<f64> {
     let mut direction = start.normalize();

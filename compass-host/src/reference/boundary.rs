@@ -1,4 +1,4 @@
-//! Ranges again: edges across floor and ceiling by exact projection, their support and the likelihoods in real numbers.
+//! Ranges: edges across floor and ceiling by exact projection, their support and the likelihoods in real numbers.
 //!
 //! A cell is a surface (floor, ceiling), a rung of log range and a bin of azimuth.
 
@@ -10,19 +10,19 @@ use rayon::prelude::*;
 
 /// Rungs, bins, and cells of both surfaces.
 pub const RUNGS: usize = 90;
-/// Directions.
+/// Azimuth bins.
 pub const BINS: usize = 360;
 /// Cells of both surfaces.
 pub const CELLS: usize = 2 * RUNGS * BINS;
 
-/// Ranges from 0.4 m to 30 m are 71 rungs; that of 0.4 m, seen from 1.5 m, is number 9.
+/// Ranges from 0.4 m to 30 m span 71 rungs; that of 0.4 m, at a height of 1.5 m, is number 9.
 const NEAREST_M: f64 = 0.4;
 const FARTHEST_M: f64 = 30.0;
 const LADDER: f64 = 72.0;
 const NOMINAL_M: f64 = 1.5;
 const LEAD: f64 = 9.0;
 
-/// Bearings of both cameras meet at this distance, metres, and end so far from the axis, degrees.
+/// Distance at which the bearings of both cameras meet, metres, and largest angle from the axis, degrees.
 const MEETING_M: f64 = 6.0;
 const RIM_DEG: f64 = 95.0;
 /// Samples in the mean over half a rung.
@@ -32,7 +32,7 @@ const SAMPLES: u32 = 8;
 const LEAST_SCALE: f64 = 3.0;
 /// Evidence in nats for the log of a cell's own edge, and of each of its six neighbours' strongest: floor, ceiling.
 const WEIGHTS: [[f64; 2]; 2] = [[23.0, 23.0], [45.0, 74.0]];
-/// Share of directions that say nothing of the plan.
+/// Share of directions without information about the plan.
 const OUTLIERS: f64 = 0.3;
 
 /// Natural logarithm of the ratio of neighbouring rungs.
@@ -40,15 +40,15 @@ fn rung() -> f64 {
     (FARTHEST_M / NEAREST_M).ln() / (LADDER - 1.0)
 }
 
-/// Edge strengths in gray levels of smoothed frames, `None` where nothing is seen.
+/// Edge strengths in gray levels of smoothed frames, `None` where unobserved.
 #[must_use]
 pub fn edges(rig: &Rig, images: [Option<&GrayImage<'_>>; 2], up: Vector3<f64>) -> Vec<Option<f64>> {
     let up = up.normalize();
     let forward = (Vector3::z() - up * up.z).normalize();
     let axes = Matrix3::from_columns(&[forward, up.cross(&forward), up]);
-    let eye = |(n, view): (usize, &View)| Some((n, Camera::from(&view.camera), *view, images[n]?));
-    let eyes: Vec<_> = rig.views().filter_map(eye).collect();
-    // The gray level at the end of a rung: which camera sees it, and what.
+    let calibrated = |(n, view): (usize, &View)| Some((n, Camera::from(&view.camera), *view, images[n]?));
+    let cameras: Vec<_> = rig.views().filter_map(calibrated).collect();
+    // The gray level at the end of a rung: the camera that sees it, and its value.
     let end = |surface: usize, rung_end: usize, azimuth_deg: f64| {
         let at = |offset: f64| {
             let u = (NEAREST_M / NOMINAL_M).ln() + (rung_end as f64 + offset - LEAD - 0.5) * rung();
@@ -59,8 +59,9 @@ pub fn edges(rig: &Rig, images: [Option<&GrayImage<'_>>; 2], up: Vector3<f64>) -
         let bearing = |view: &View, point: Vector3<f64>| {
             (view.rotation.cast::<f64>().transpose() * (point - view.position.cast())).normalize()
         };
-        let nearness = |eye: &&(usize, Camera, View, &GrayImage<'_>)| bearing(&eye.2, at(0.0)).z;
-        let (number, camera, view, image) = eyes.iter().max_by(|a, b| nearness(a).total_cmp(&nearness(b)))?;
+        let nearness = |entry: &&(usize, Camera, View, &GrayImage<'_>)| bearing(&entry.2, at(0.0)).z;
+        let (number, camera, view, image) =
+            cameras.iter().max_by(|a, b| nearness(a).total_cmp(&nearness(b)))?;
         if bearing(view, at(0.0)).z <= RIM_DEG.to_radians().cos() {
             return None;
         }
@@ -77,9 +78,9 @@ pub fn edges(rig: &Rig, images: [Option<&GrayImage<'_>>; 2], up: Vector3<f64>) -
     };
     let cell = |index: usize| {
         let (surface, rung, bin) = (index / (RUNGS * BINS), index / BINS % RUNGS, index % BINS);
-        let looks: Vec<_> =
+        let samples: Vec<_> =
             [-0.25, 0.25].iter().filter_map(|off| edge(surface, rung, bin as f64 + off)).collect();
-        (!looks.is_empty()).then(|| looks.iter().sum::<f64>() / looks.len() as f64)
+        (!samples.is_empty()).then(|| samples.iter().sum::<f64>() / samples.len() as f64)
     };
     (0..CELLS).into_par_iter().map(cell).collect()
 }
@@ -97,8 +98,8 @@ fn gray(image: &GrayImage<'_>, [x, y]: [f64; 2]) -> Option<f64> {
     Some(across(0.0) * (1.0 - v) + across(1.0) * v)
 }
 
-/// Evidence of every cell in nats, from edges in gray levels: `ln(1 + 2 edge / scale)` of its own and of the strongest
-/// edges within reach in the bins beside.
+/// Evidence of every cell in nats, from edges in gray levels: `ln(1 + 2 edge / scale)` of its own edge and of the
+/// strongest ones within reach in the neighbouring bins.
 #[must_use]
 pub fn support(edges: &[Option<f64>]) -> Vec<f64> {
     let mut known: Vec<f64> = edges.iter().flatten().copied().collect();
@@ -126,8 +127,8 @@ pub fn support(edges: &[Option<f64>]) -> Vec<f64> {
     (0..CELLS).map(cell).collect()
 }
 
-/// Log-likelihood ratios in nats by rung and bin, from the evidence in nats, for a ceiling so many rungs higher above the
-/// camera than the floor below it.
+/// Log-likelihood ratios in nats by rung and bin, from the evidence in nats, for a ceiling that is higher above the
+/// camera than the floor is below it by a number of rungs.
 #[must_use]
 pub fn log_ratios(evidence: &[f64], ceiling: isize) -> Vec<f64> {
     let total = |rung: usize, bin: usize| {

@@ -1,10 +1,10 @@
-//! The camera models again: radius as a function of the angle, everything else by halving.
+//! The camera models: image radius as a function of the angle, everything else by bisection.
 //!
 //! Axes and pixel centres are the core's: x right, y down, z forward; the top left pixel is (0, 0).
 
 use compass_core::vision::camera::{Camera as CoreCamera, WIDEST_ANGLE, WIDEST_RADIUS};
 
-/// How far from the principal point an angle is imaged.
+/// The image radius at an angle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Model {
     /// Polynomial with k1 to k4 at theta^3 to theta^9.
@@ -21,7 +21,7 @@ pub enum Model {
 }
 
 impl Model {
-    /// Focal lengths from the principal point, at an angle in radians from the axis.
+    /// The radius in focal lengths from the principal point, at an angle in radians from the axis.
     #[must_use]
     pub fn radius(&self, theta: f64) -> f64 {
         match *self {
@@ -57,7 +57,7 @@ impl Camera {
         let (mut theta, mut radius) = (0.0, 0.0);
         while theta + STEP <= f64::from(WIDEST_ANGLE) {
             let next = self.model.radius(theta + STEP);
-            // A denominator through zero turns the radius negative; NaN ends the field as well.
+            // A denominator that crosses zero turns the radius negative; NaN ends the field as well.
             if !(next > radius && next <= f64::from(WIDEST_RADIUS)) {
                 break;
             }
@@ -66,7 +66,7 @@ impl Camera {
         theta
     }
 
-    /// The pixel of a bearing of any length; `None` straight behind. The field is not checked.
+    /// The pixel of a bearing of any length; `None` straight behind. The field of view is not checked.
     #[must_use]
     pub fn project(&self, [x, y, z]: [f64; 3]) -> Option<[f64; 2]> {
         let across = x.hypot(y);
@@ -88,7 +88,7 @@ impl Camera {
         if radius == 0.0 {
             return Some([0.0, 0.0, 1.0]);
         }
-        // NaN lies nowhere.
+        // NaN is outside the field.
         let within = radius <= self.model.radius(limit);
         if !within {
             return None;
@@ -102,7 +102,7 @@ impl Camera {
         Some([sin * x / radius, sin * y / radius, cos])
     }
 
-    /// The camera of the image resized by `sx` and `sy`; the outer edges of the image stay.
+    /// The camera of the image resized by `sx` and `sy`; the outer edges of the image coincide.
     #[must_use]
     pub fn scaled(&self, sx: f64, sy: f64) -> Self {
         let [cx, cy] = self.centre;

@@ -1,4 +1,4 @@
-//! Ray march by plain stepping (paper: 360 rays, step 0.02 m, `r_max` 30 m).
+//! Ray march by uniform steps (paper: 360 rays, step 0.02 m, `r_max` 30 m).
 
 use compass_core::base::raster::BitMask;
 use compass_core::base::scan::Hit;
@@ -21,9 +21,9 @@ pub struct Plan {
 /// Range and hit type of 360 rays.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scan {
-    /// Metres to the first hit, 30 where there is none.
+    /// Metres to the first hit, 30 without one.
     pub range_m: [f64; 360],
-    /// What was hit.
+    /// The hit type.
     pub hit: [Hit; 360],
 }
 
@@ -41,7 +41,7 @@ impl Plan {
         Self { cells, width: width as usize, height: height as usize, resolution_m, origin }
     }
 
-    /// What lies at a point in metres; `None` outside the plan.
+    /// What is at a point in metres; `None` outside the plan.
     #[must_use]
     pub fn hit_at(&self, x: f64, y: f64) -> Option<Hit> {
         let column = ((x - self.origin[0]) / self.resolution_m).floor();

@@ -1,7 +1,7 @@
-//! The float witness: each stage of `compass-core` again, in plain `f64`, written from the paper
-//! and, for the lenses, from their formulas.
+//! The float reference: each stage of `compass-core` again, in plain `f64`, written from the paper and, for the
+//! lenses, from their formulas.
 //!
-//! Nothing here is fast or shared with the core; it is what the core is compared with.
+//! It is not optimized and shares nothing with the core, which is compared with it.
 
 pub mod attitude;
 pub mod boundary;

@@ -2,7 +2,7 @@
 
 use super::descriptor::Channels;
 
-/// The cosine of two descriptors at a shift: channel values times the roots of their weights, one long
+/// The cosine of two descriptors at a shift: channel values times the roots of their weights, concatenated to one
 /// vector each; `centred` removes each channel's mean first. 0 when a norm is 0.
 #[must_use]
 pub fn cosine(query: &Channels, other: &Channels, shift: usize, weights: &[f64; 5], centred: bool) -> f64 {
@@ -10,7 +10,7 @@ pub fn cosine(query: &Channels, other: &Channels, shift: usize, weights: &[f64; 
     masked_cosine(query, other, shift, weights, centred, &certain)
 }
 
-/// As [`cosine`], bins of the query weighted by their confidence; means and norms over the same bins.
+/// [`cosine`] with the query's bins weighted by their confidence; means and norms are over the same bins.
 #[must_use]
 pub fn masked_cosine(
     query: &Channels,
@@ -38,7 +38,7 @@ pub fn masked_cosine(
     if a <= 0.0 || b <= 0.0 { 0.0 } else { product / (a.sqrt() * b.sqrt()) }
 }
 
-/// All 360 scores and the first best shift.
+/// All 360 scores, and the first shift with the best one.
 #[must_use]
 pub fn scores(query: &Channels, other: &Channels, weights: &[f64; 5], centred: bool) -> (Vec<f64>, usize) {
     let scores: Vec<f64> = (0..360).map(|s| cosine(query, other, s, weights, centred)).collect();

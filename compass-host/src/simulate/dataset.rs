@@ -42,8 +42,8 @@ impl Format {
     }
 }
 
-/// Renders all poses and writes them as a dataset. Frames are written first and listed last: a dataset that
-/// was interrupted has no `data.csv`.
+/// Renders all poses and writes them as a dataset. The lists are written after the frames: an interrupted dataset has
+/// no `data.csv`.
 ///
 /// # Errors
 /// Names the file or directory that could not be written.

@@ -1,5 +1,5 @@
-//! What is seen around a place, column by column: the plan is walked through once per azimuth, and pixels look
-//! their column up.
+//! The surfaces around a place by column: one ray is marched through the plan per azimuth, and pixels look up their
+//! column.
 
 use super::grid::{Layer, Surface};
 use super::panes::spread;
@@ -9,10 +9,10 @@ use std::f64::consts::TAU;
 /// Columns of a full turn: 0.05 degrees each, less than half a pixel at 465 pixels a radian.
 const COLUMNS: usize = 7200;
 
-/// Columns to either side whose hits may tell a wall's direction.
+/// Columns to either side whose hits are fitted for a wall's direction.
 const SAMPLES: usize = 8;
 
-/// Walls are drawn in steps of this; textures need a direction that does not flicker.
+/// Wall directions are quantized to this: textures need a direction that does not flicker.
 const NORMAL_STEPS: f64 = 24.0;
 
 /// A surface of a column.
@@ -72,7 +72,7 @@ impl Fan {
     }
 }
 
-/// A column and its neighbour, which lies `share` of the way off.
+/// The nearest column and its neighbour on the other side, with the interpolation weight `share` of the latter.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct View<'a> {
     faces: &'a [Face],
@@ -81,8 +81,8 @@ pub(super) struct View<'a> {
 }
 
 impl<'a> View<'a> {
-    /// The faces with ranges between the two columns, where both see the same surface: 1 / range is linear
-    /// over a plane.
+    /// The faces with ranges interpolated between the two columns, where both hit the same surface: 1 / range is
+    /// linear over a plane.
     pub(super) fn faces(self) -> impl Iterator<Item = Face> + use<'a> {
         self.faces.iter().enumerate().map(move |(number, face)| {
             let (r, mut face) = (face.range, *face);
@@ -126,7 +126,7 @@ impl Cast<'_> {
         Face { range, surface, normal: normal.map(|v| (v * sign) as f32) }
     }
 
-    /// Normal of the wall, and the range with the steps of the raster smoothed away.
+    /// Normal of the wall, and the range without the quantization of the raster.
     fn wall(&self, column: usize, number: usize, direction: [f64; 2]) -> ([f64; 2], f32) {
         let range = self.column(column)[number].range;
         let (before, after) = (self.run(column, number, -1), self.run(column, number, 1));
@@ -143,7 +143,7 @@ impl Cast<'_> {
             .find(good)
             .unwrap_or_else(|| if fits[1].residual < fits[2].residual { &fits[1] } else { &fits[2] });
         let normal = [-best.along[1], best.along[0]];
-        // The fitted line may move the hit by no more than the raster does.
+        // The fitted line may move the hit by at most the raster's quantization error.
         let across = direction[0] * normal[0] + direction[1] * normal[1];
         let offset = (best.mean[0] * normal[0] + best.mean[1] * normal[1]) / across;
         let smooth = offset.clamp(f64::from(range) - cell, f64::from(range) + cell);
@@ -153,7 +153,7 @@ impl Cast<'_> {
         ([libm::cos(angle), libm::sin(angle)], range)
     }
 
-    /// Hits of the columns to one side, about a centimetre apart, as far as they hang together.
+    /// Hits of the columns to one side, about a centimetre apart, as long as they are contiguous.
     fn run(&self, column: usize, number: usize, side: isize) -> Vec<[f64; 2]> {
         let range = self.column(column)[number].range;
         let spacing = f64::from(range) * TAU / COLUMNS as f64;

@@ -1,11 +1,11 @@
-//! The plan as the renderer walks through it: one byte a cell, and exact rays from cell border to cell border.
+//! The plan in the renderer's form: one byte per cell, with exact rays from cell border to cell border.
 
 use super::panes::Panes;
 use crate::interior::{self, Interior, InteriorOptions};
 use crate::plan_import::PlanRaster;
 
-/// What a cell holds; [`FREE`] and above is free floor, the excess over it the chessboard distance to the
-/// nearest cell that is not.
+/// What a cell holds; [`FREE`] and above is free floor, the excess over it the chessboard distance to the nearest cell
+/// that is not free.
 pub(super) const WALL: u8 = 0;
 pub(super) const GLASS: u8 = 1;
 pub(super) const OUTSIDE: u8 = 2;
@@ -17,7 +17,7 @@ const REACH_M: f64 = 120.0;
 /// Surfaces that a ray may pass before it ends.
 const MOST_LAYERS: usize = 12;
 
-/// What a ray meets.
+/// The kind of surface that a ray hits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Surface {
     /// Opaque: the ray ends.
@@ -49,7 +49,7 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// Cells of a plan, with everything free inside not yet measured: see [`Self::measure`].
+    /// Cells of a plan, with all distances of free cells still unmeasured: see [`Self::measure`].
     pub(super) fn new(raster: &PlanRaster) -> Self {
         let (width, height) = (raster.width as usize, raster.height as usize);
         let found = interior::find(
@@ -78,7 +78,7 @@ impl Grid {
         grid
     }
 
-    /// Lets the inside grow up to the walls: cells of the interior that hold some wall are not part of it.
+    /// Extends the inside up to the walls: cells of the interior that hold some wall are not part of it.
     fn grow(&mut self, inside: &Interior) {
         let mut front: Vec<usize> = (0..self.cells.len()).filter(|&at| self.cells[at] == FREE).collect();
         for _ in 0..2 * inside.cell_px {
@@ -115,7 +115,7 @@ impl Grid {
             for there in row + x.saturating_sub(1)..=row + (x + 1).min(width - 1) {
                 least = least.min(value(there));
             }
-            // At the western and eastern border the outside is next door.
+            // Beyond the western and eastern border lies the outside.
             let least = if x == 0 || x + 1 == width { FREE } else { least };
             cells[at].min(least.saturating_add(1))
         };
@@ -141,7 +141,7 @@ impl Grid {
         }
     }
 
-    /// What a cell holds; beyond the plan the outdoors.
+    /// What a cell holds; beyond the plan it is the outdoors.
     pub(super) fn cell(&self, x: i64, y: i64) -> u8 {
         let (Ok(x), Ok(y)) = (usize::try_from(x), usize::try_from(y)) else { return OUTSIDE };
         if x < self.width && y < self.height { self.cells[y * self.width + x] } else { OUTSIDE }
@@ -157,7 +157,7 @@ impl Grid {
         [(x - self.origin[0]) / self.resolution, (y - self.origin[1]) / self.resolution]
     }
 
-    /// What lies at a map position.
+    /// What is at a map position.
     pub(super) fn at(&self, x: f64, y: f64) -> u8 {
         let [x, y] = self.to_cells(x, y);
         self.cell(x.floor() as i64, y.floor() as i64)
@@ -175,15 +175,16 @@ impl Grid {
         layers.first().map_or(0.0, |layer| f64::from(layer.range))
     }
 
-    /// Appends what a ray meets from a position in metres towards a direction of length 1, in order; the
-    /// last surface is one where the ray ends.
+    /// Appends the surfaces that a ray hits from a position in metres towards a direction of length 1, in order; the
+    /// last one ends the ray.
     pub(super) fn cast(&self, from: [f64; 2], direction: [f64; 2], panes: &Panes, layers: &mut Vec<Layer>) {
         let mut walk = Walk::new(self.to_cells(from[0], from[1]), direction);
         let end = layers.len() + MOST_LAYERS;
         let reach = REACH_M / self.resolution;
         let metres = |t: f64| (t * self.resolution) as f32;
         let here = |walk: &Walk| self.cell(walk.cell[0], walk.cell[1]);
-        // From within a wall the ray begins behind it; from the outdoors it goes on until it has come in.
+        // From within a wall the ray starts behind it; from the outdoors it continues until it has entered the
+        // building.
         let mut outdoors = here(&walk) == OUTSIDE;
         while here(&walk) < OUTSIDE && walk.t < reach {
             walk.step();
@@ -215,7 +216,7 @@ impl Grid {
     }
 }
 
-/// A ray on its way, in cells.
+/// A ray being marched, in cells.
 struct Walk {
     from: [f64; 2],
     direction: [f64; 2],
@@ -228,7 +229,7 @@ impl Walk {
         Self { from, direction, cell: from.map(|v| v.floor() as i64), t: 0.0 }
     }
 
-    /// On to the next cell.
+    /// Steps to the next cell.
     fn step(&mut self) {
         let [x, y] = [0, 1].map(|axis| {
             let (d, from) = (self.direction[axis], self.from[axis]);
@@ -240,7 +241,7 @@ impl Walk {
         self.cell[axis] += if self.direction[axis] > 0.0 { 1 } else { -1 };
     }
 
-    /// On past the cells that are free, given the distance to the nearest that is not.
+    /// Skips free cells, given the distance to the nearest one that is not free.
     fn skip(&mut self, distance: u8) {
         if distance > 1 {
             let largest = self.direction[0].abs().max(self.direction[1].abs());

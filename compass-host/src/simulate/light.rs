@@ -1,11 +1,11 @@
-//! How bright it is where: light spreads from the glazing through the rooms, on a coarse grid.
+//! Brightness over the plan: light diffuses from the glazing through the rooms, on a coarse grid.
 
 use super::grid::{FREE, GLASS, Grid, OUTSIDE, WALL};
 
 /// Side of a cell of light, metres.
 const CELL_M: f64 = 0.25;
 
-/// Rounds in which light spreads; each carries it one cell on.
+/// Rounds of diffusion; each carries light one cell further.
 const ROUNDS: usize = 240;
 
 /// Share of the light that is lost from cell to cell.
@@ -22,7 +22,7 @@ pub(super) struct Light {
     values: Vec<f32>,
 }
 
-/// What a coarse cell is for the light.
+/// The role of a coarse cell in the diffusion.
 #[derive(Clone, Copy, PartialEq)]
 enum Kind {
     Blocked,
@@ -50,7 +50,7 @@ impl Light {
             let before = self.values.clone();
             for (at, kind) in kinds.iter().enumerate() {
                 if *kind == Kind::Free {
-                    // A wall throws back what falls on it.
+                    // A wall reflects the light that falls on it.
                     let from = |there: usize| match kinds[there] {
                         Kind::Blocked => before[at] * 0.97,
                         Kind::Free | Kind::Source => before[there],
@@ -61,7 +61,7 @@ impl Light {
                 }
             }
         }
-        // Walls are as bright as what is before them.
+        // Walls are as bright as the free cells before them.
         for _ in 0..2 {
             let before = self.values.clone();
             for at in (0..kinds.len()).filter(|&at| kinds[at] == Kind::Blocked && before[at] == 0.0) {
@@ -103,7 +103,7 @@ impl Light {
     }
 }
 
-/// What prevails in a coarse cell from (x, y).
+/// The prevailing role in a coarse cell from (x, y).
 fn kind(grid: &Grid, x: usize, y: usize, step: usize) -> Kind {
     let (mut walls, mut glass, mut outside) = (0, 0, 0);
     for y in y..(y + step).min(grid.height) {

@@ -1,8 +1,8 @@
 //! Dual-fisheye frames rendered from a floor plan: the plan's walls and glazing as a floor of concrete with
 //! windows, through the lenses of a calibration.
 //!
-//! Everything is drawn by the renderer itself, from seeds: the same options give the same bytes on every
-//! machine, for any number of threads.
+//! Everything is drawn procedurally from seeds: the same options give the same bytes on every machine, for any number
+//! of threads.
 //!
 //! # Axes
 //! Map: x right, y up, z up from the floor. Poses are those of camera 0 (x right, y down, z forward).
@@ -33,19 +33,19 @@ use sensor::Exposure;
 use shade::Shader;
 use solids::{Sight, Solid};
 
-/// Half the angle that the lenses see, radians: 95.5 degrees.
+/// Half the field of view of the lenses, radians: 95.5 degrees.
 const FIELD: f32 = 1.667;
 
 /// Angle over which the image fades out towards its rim, radians.
 const RIM: f32 = 0.03;
 
-/// With one sample a pixel, those that differ from a neighbour by this share of both take four.
+/// With one sample per pixel, pixels that differ from a neighbour by this share of their sum take four.
 const EDGE: f32 = 0.12;
 
-/// Light that a sample has at most: the glare of a window would otherwise outweigh the rest of a pixel.
+/// Upper limit of a sample's light: the glare of a window would otherwise dominate the pixel.
 const GLARE: f32 = 4.0;
 
-/// Widest image that is supersampled unless asked otherwise.
+/// Widest image that is supersampled by default.
 const SUPERSAMPLED: u16 = 800;
 
 /// Renders a pair of frames with the default sampling: see [`Renderer`] to render many.
@@ -56,7 +56,7 @@ pub fn render(scene: &Scene, rig: &Rig, pose: &Pose) -> [Option<RgbImage>; 2] {
     Renderer::new(scene, rig, None).render(pose)
 }
 
-/// A scene as the cameras of a rig see it, with the bearings of all pixels worked out.
+/// A scene with a rig to render it through; the bearings of all pixels are precomputed.
 #[derive(Debug)]
 pub struct Renderer<'a> {
     scene: &'a Scene,
@@ -93,12 +93,12 @@ impl<'a> Renderer<'a> {
         })
     }
 
-    /// Camera 0 over the floor.
+    /// Position of camera 0 above the floor.
     fn camera(&self, pose: &Pose) -> Vector3<f64> {
         pose.position - Vector3::z() * self.scene.options.floor_m
     }
 
-    /// The people around a pose, and who carries the rig.
+    /// The people around a pose, and the carrier of the rig.
     fn company(&self, pose: &Pose, rng: &mut Xoshiro256PlusPlus) -> Vec<Solid> {
         let (scene, camera) = (self.scene, self.camera(pose));
         let mut solids = Vec::new();
@@ -110,7 +110,7 @@ impl<'a> Renderer<'a> {
             solids.extend(solids::operator(camera.cast(), forward.map(|v| v as f32), side));
         }
         for number in 0..scene.options.people {
-            // A place in sight, if one is found soon.
+            // A visible place, if random draws find one soon.
             for _ in 0..40 {
                 let angle = rng.random::<f64>() * std::f64::consts::TAU;
                 let distance = 1.4 + 5.6 * rng.random::<f64>();
@@ -168,14 +168,14 @@ impl Lens {
         }
     }
 
-    /// The light that falls on the sensor.
+    /// The light on the sensor.
     fn expose(&self, scene: &Scene, pose: &Pose, company: &[Solid]) -> Exposure {
         let turn = pose.rotation.to_rotation_matrix().into_inner();
         let rotation: Matrix3<f32> = (turn * self.rotation).cast();
         let place = pose.position + turn * self.position - Vector3::z() * scene.options.floor_m;
         let from: Vector3<f32> = place.cast();
         let fan = Fan::new(scene, [place.x, place.y]);
-        // Nobody carries the rig through a box.
+        // The carrier does not walk through a box.
         let boxes = scene.boxes.iter().filter(|solid| solid.gap(from.x, from.y) > 0.5);
         let sight = Sight::new(boxes.chain(company), from);
         let shader = Shader { scene, fan: &fan, sight: &sight, from, sample: self.sample };
@@ -240,7 +240,7 @@ impl Lens {
     }
 }
 
-/// Share of the light that the lens lets through from a bearing: less towards the rim, none beyond.
+/// Transmission of the lens at a bearing: decreasing towards the rim, 0 beyond.
 fn transmission(bearing: [f32; 3]) -> f32 {
     if bearing == [0.0; 3] {
         return 0.0;

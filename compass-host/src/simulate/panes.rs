@@ -63,7 +63,7 @@ impl Panes {
         at.and_then(|at| self.cells.get(&at)).copied().unwrap_or(0)
     }
 
-    /// Gathers the glazing that hangs together with a cell, and numbers it.
+    /// Collects the glazing connected with a cell, and numbers it.
     fn piece(&mut self, raster: &PlanRaster, x: u32, y: u32) -> Vec<[u32; 2]> {
         let number = self.list.len() as u32;
         let index = |x: u32, y: u32| y as usize * raster.width as usize + x as usize;
@@ -86,7 +86,7 @@ impl Panes {
     }
 }
 
-/// The pane of some cells: the direction in which they spread most.
+/// The pane of some cells: its direction is that of their largest spread.
 fn pane(raster: &PlanRaster, piece: &[[u32; 2]], look: &Look) -> Pane {
     let metres = |[x, y]: [u32; 2]| {
         let metre = |v: u32, origin: f64| (f64::from(v) + 0.5) * raster.resolution_m + origin;
@@ -102,7 +102,7 @@ fn pane(raster: &PlanRaster, piece: &[[u32; 2]], look: &Look) -> Pane {
     }
     let half = raster.resolution_m / 2.0;
     let length = (to - from + 2.0 * half) as f32;
-    // Panes of one facade have their sills and lintels at one height.
+    // Panes of one facade have their sills and lintels at the same height.
     let facade = hash(
         look.seed,
         [
@@ -122,7 +122,7 @@ fn pane(raster: &PlanRaster, piece: &[[u32; 2]], look: &Look) -> Pane {
     }
 }
 
-/// The direction in which points spread most, of length 1.
+/// The direction of the largest spread of points, of length 1.
 pub(super) fn spread(points: impl Iterator<Item = [f64; 2]> + Clone) -> [f64; 2] {
     let count = points.clone().count().max(1) as f64;
     let sum = points.clone().fold([0.0; 2], |s, p| [s[0] + p[0], s[1] + p[1]]);

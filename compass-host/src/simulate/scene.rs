@@ -1,5 +1,4 @@
-//! A plan furnished for rendering: what was not built, what the surfaces look like, what stands around, and how
-//! light comes in.
+//! A plan furnished for rendering: missing walls, surface materials, clutter, and light.
 
 use super::grid::{FREE, GLASS, Grid, OUTSIDE, WALL};
 use super::light::Light;
@@ -12,7 +11,7 @@ use image::{Rgb, RgbImage};
 use rand::{RngExt as _, SeedableRng as _};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
-/// Thinnest and thickest wall that may be missing are below this, in metres.
+/// Walls below this thickness may be missing, in metres.
 const PARTITION_M: f64 = 0.2;
 
 /// Side of a patch in which partitions are built or not, in metres.
@@ -21,12 +20,12 @@ const PATCH_M: f64 = 2.0;
 /// Walls closer to the outdoors than this are facade, in metres.
 const FACADE_M: f64 = 0.6;
 
-/// What a scene is made of.
+/// The parameters of a scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SceneOptions {
-    /// Where clutter stands, who is there, which walls are missing, and the noise.
+    /// Seed of the clutter, the people, the missing walls and the noise.
     pub seed: u64,
-    /// Materials, heights of windows, colours, brightness.
+    /// Seed of materials, window heights, colours and brightness.
     pub style: u64,
     /// Height of the ceiling above the floor, metres.
     pub ceiling_m: f64,
@@ -36,7 +35,7 @@ pub struct SceneOptions {
     pub clutter: u32,
     /// People around the cameras in each frame.
     pub people: u32,
-    /// Whether somebody carries the rig.
+    /// Whether a person carries the rig.
     pub operator: bool,
     /// Share of the interior walls below 0.2 m that is not built, 0 to 1.
     pub missing: f64,
@@ -57,7 +56,7 @@ impl Default for SceneOptions {
     }
 }
 
-/// A furnished plan, ready to be looked at from anywhere.
+/// A furnished plan, ready to be rendered from any place.
 #[derive(Debug)]
 pub struct Scene {
     pub(super) options: SceneOptions,
@@ -108,7 +107,7 @@ impl Scene {
 fn tear_down(grid: &mut Grid, options: &SceneOptions) {
     let cells = |metres: f64| (metres / grid.resolution).round() as i64;
     let (most, facade, patch) = (cells(PARTITION_M), cells(FACADE_M), cells(PATCH_M).max(1));
-    // The wall's extent through a cell, in one direction and its opposite; counting ends at `most`.
+    // The wall's extent through a cell, in one direction and its opposite; counting stops at `most`.
     let extent = |x: i64, y: i64, [dx, dy]: [i64; 2]| {
         let run = |sign: i64| {
             (1..=most).take_while(|k| grid.cell(x + sign * k * dx, y + sign * k * dy) == WALL).count()
@@ -139,14 +138,14 @@ fn tear_down(grid: &mut Grid, options: &SceneOptions) {
     }
 }
 
-/// Boxes on the floor, at free places of the inside.
+/// Boxes on the floor, at free places of the interior.
 fn clutter(grid: &Grid, options: &SceneOptions) -> Vec<Solid> {
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(options.seed ^ 0xb0_5eed);
     let extent = [grid.width, grid.height].map(|cells| cells as f64 * grid.resolution);
     let tries = extent[0] * extent[1] / 100.0 * f64::from(options.clutter);
     let mut boxes = Vec::new();
-    // Places are drawn over the whole plan: those outside or too narrow are left out, so that the
-    // density is the one asked for.
+    // Places are drawn over the whole plan, and those outside or too narrow are dropped, so that the density is the
+    // requested one.
     for _ in 0..tries.round() as usize {
         let draw: [f64; 10] = std::array::from_fn(|_| rng.random::<f64>());
         let at = [0, 1].map(|axis| grid.origin[axis] + extent[axis] * draw[axis]);
@@ -156,7 +155,7 @@ fn clutter(grid: &Grid, options: &SceneOptions) -> Vec<Solid> {
         if !free || height <= 0.0 {
             continue;
         }
-        // Most things stand along the walls; plans are mostly drawn square.
+        // Most boxes are aligned with the axes of the plan, as most walls are.
         let angle = if draw[6] < 0.7 { 0.0 } else { std::f64::consts::PI * draw[7] };
         boxes.push(Solid {
             shape: Shape::Box,

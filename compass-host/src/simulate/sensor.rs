@@ -4,13 +4,13 @@ use super::style::Look;
 use image::RgbImage;
 use rand::Rng;
 
-/// Side of the blocks in which glow is worked out, as a share of the image's width.
+/// Side of the blocks in which glow is computed, as a share of the image's width.
 const GLOW_BLOCKS: usize = 92;
 
 /// Entries of the tone curve from 0 to [`BRIGHTEST`].
 const TONES: usize = 4096;
 
-/// Beyond this everything is white.
+/// All brighter values are white.
 const BRIGHTEST: f32 = 1.5;
 
 /// Linear light, three samples a pixel, row by row.
@@ -18,12 +18,12 @@ pub(super) struct Exposure {
     pub(super) width: usize,
     pub(super) height: usize,
     pub(super) light: Vec<[f32; 3]>,
-    /// Share of the light that the lens lets through, 0 beyond the image circle.
+    /// Transmission of the lens, 0 beyond the image circle.
     pub(super) vignette: Vec<f32>,
 }
 
 impl Exposure {
-    /// The picture that the sensor takes.
+    /// The image that the sensor records.
     pub(super) fn develop(mut self, look: &Look, rng: &mut impl Rng) -> RgbImage {
         let gain = self.gain(look);
         self.light.iter_mut().flatten().for_each(|v| *v = (*v * gain).min(2.0));
@@ -46,7 +46,7 @@ impl Exposure {
         RgbImage::from_raw(width, height, bytes).expect("three bytes a pixel")
     }
 
-    /// Automatic exposure: brings the mean, highlights held down, to what the style aims at.
+    /// Automatic exposure: brings the mean, with highlights limited, to the style's target.
     fn gain(&self, look: &Look) -> f32 {
         let (mut sum, mut count) = (0.0_f64, 0_u32);
         for (pixel, _) in self.light.iter().zip(&self.vignette).filter(|(_, v)| **v > 0.5) {
@@ -75,7 +75,7 @@ impl Exposure {
         }
     }
 
-    /// What is too bright spills over its surroundings.
+    /// Excess brightness bleeds into its surroundings.
     fn glow(&mut self) {
         let side = self.width.div_ceil(GLOW_BLOCKS).max(1);
         let (columns, rows) = (self.width.div_ceil(side), self.height.div_ceil(side));
@@ -123,7 +123,7 @@ fn blur(blocks: &[[f32; 3]], columns: usize, rows: usize, radius: usize) -> Vec<
     values
 }
 
-/// A value between blocks.
+/// A value interpolated between blocks.
 fn sample(blocks: &[[f32; 3]], columns: usize, rows: usize, x: f32, y: f32) -> [f32; 3] {
     let (column, row) = ((x as usize).min(columns - 1), (y as usize).min(rows - 1));
     let (fx, fy) = ((x - column as f32).min(1.0), (y - row as f32).min(1.0));
@@ -136,7 +136,7 @@ fn sample(blocks: &[[f32; 3]], columns: usize, rows: usize, x: f32, y: f32) -> [
     })
 }
 
-/// Three numbers of about a standard normal distribution, the sums of five bytes each.
+/// Three approximately standard normal numbers, each the sum of five bytes.
 fn gauss(rng: &mut impl Rng) -> [f32; 3] {
     let bytes: [[u8; 8]; 2] = [rng.next_u64().to_le_bytes(), rng.next_u64().to_le_bytes()];
     let bytes = bytes.as_flattened();

@@ -9,10 +9,10 @@ use super::style::Colour;
 use super::texture::{grain, hash, line, noise, unit};
 use nalgebra::Vector3;
 
-/// Share of the light that a pane lets through.
+/// Transmission of a pane.
 const GLASS: f32 = 0.88;
 
-/// What a ray sees from one camera.
+/// The renderer of one camera's rays.
 pub(super) struct Shader<'a> {
     pub(super) scene: &'a Scene,
     pub(super) fan: &'a Fan,
@@ -51,7 +51,7 @@ impl Ray {
 }
 
 impl Shader<'_> {
-    /// What comes in from a direction of the map, of length 1.
+    /// The radiance from a direction of the map, of length 1.
     pub(super) fn radiance(&self, direction: Vector3<f32>) -> Colour {
         let ray = Ray::new(direction);
         let solids = self.sight.towards(ray.azimuth_deg);
@@ -88,7 +88,7 @@ impl Shader<'_> {
         seen(through, self.outdoors(&ray))
     }
 
-    /// Range at which floor or ceiling is met.
+    /// Range of the intersection with floor or ceiling.
     fn level_range(&self, ray: &Ray) -> f32 {
         let height = if ray.slope > 0.0 { self.scene.look.ceiling - self.from.z } else { -self.from.z };
         if ray.slope == 0.0 { f32::MAX } else { (height / ray.slope).max(0.0) }
@@ -115,7 +115,7 @@ impl Shader<'_> {
         let footprint = self.footprint(ray, range);
         let slanted = footprint / across.clamp(0.1, 1.0);
         let u = x * normal[1] - y * normal[0];
-        // Faces in one plane are of one kind; no plane of whole centimetres lies on a border.
+        // Faces in one plane are of one kind. The offset avoids planes of whole centimetres on a quantization border.
         let plane = ((x * normal[0] + y * normal[1] + 0.0537) / 0.3).floor() as i32;
         let turn = ((normal[0] * 8.0).round() * 32.0 + (normal[1] * 8.0).round()) as i32;
         let kind = concrete.unwrap_or_else(|| hash(look.seed, [plane, turn, 1]));
@@ -141,7 +141,7 @@ impl Shader<'_> {
         albedo.map(|v| v * value)
     }
 
-    /// Stains and grain of concrete about 1.
+    /// Stains and grain of concrete, a factor around 1.
     fn mottled(&self, at: [f32; 3], footprint: f32, strength: f32) -> f32 {
         let look = &self.scene.look;
         let large = grain(look.seed, at, 0.9, footprint) + 0.6 * grain(look.seed ^ 1, at, 0.21, footprint);
@@ -206,7 +206,7 @@ impl Shader<'_> {
         frame.then(|| look.frame.map(|v| v * light * 0.8))
     }
 
-    /// Sky, trees and ground, mostly too bright.
+    /// Sky, trees and ground, mostly overexposed.
     fn outdoors(&self, ray: &Ray) -> Colour {
         let look = &self.scene.look;
         let [x, y] = ray.flat;

@@ -1,4 +1,4 @@
-//! What stands in the rooms: boxes and ellipsoids, and the people made of them.
+//! Solids in the rooms: boxes and ellipsoids, and the people made of them.
 
 use super::style::Colour;
 use nalgebra::Vector3;
@@ -28,7 +28,7 @@ pub(super) struct Met<'a> {
     /// Along the ray, metres.
     pub(super) distance: f32,
     pub(super) normal: Vector3<f32>,
-    /// The place in the solid's own axes, metres.
+    /// The point in the solid's own axes, metres.
     pub(super) place: Vector3<f32>,
     pub(super) solid: &'a Solid,
 }
@@ -60,7 +60,7 @@ impl Solid {
         (v.x.abs() - self.half[0]).max(v.y.abs() - self.half[1])
     }
 
-    /// Where a ray from `from` towards `direction`, of length 1, first meets it.
+    /// The first intersection of a ray from `from` towards `direction`, of length 1.
     pub(super) fn meet(&self, from: Vector3<f32>, direction: Vector3<f32>) -> Option<Met<'_>> {
         let from = self.own(from - Vector3::from(self.centre));
         let direction = self.own(direction);
@@ -105,7 +105,7 @@ impl Solid {
     }
 }
 
-/// Somebody who stands at a place, in a red vest or not.
+/// A standing person, with or without a red vest.
 pub(super) fn person(at: [f32; 2], red: bool, rng: &mut impl Rng) -> Vec<Solid> {
     let mut draw = || rng.random::<f32>();
     let tall = (1.62 + 0.3 * draw()) / 1.75;
@@ -132,8 +132,8 @@ pub(super) fn person(at: [f32; 2], red: bool, rng: &mut impl Rng) -> Vec<Solid> 
     ]
 }
 
-/// Who carries the rig, standing behind and beside camera 0 and below it, and the mount; `forward` is the
-/// horizontal direction of its axis. `side` is 1 or -1.
+/// The carrier of the rig, standing behind, beside and below camera 0, and the mount; `forward` is the horizontal
+/// direction of the camera's axis. `side` is 1 or -1.
 pub(super) fn operator(camera: Vector3<f32>, forward: [f32; 2], side: f32) -> Vec<Solid> {
     let [fx, fy] = forward;
     let place = |ahead: f32, aside: f32, up: f32| {
@@ -151,20 +151,20 @@ pub(super) fn operator(camera: Vector3<f32>, forward: [f32; 2], side: f32) -> Ve
     ]
 }
 
-/// Solids by the direction in which they are seen, in whole degrees.
+/// Solids by their azimuth from a place, in whole degrees.
 #[derive(Debug)]
 pub(super) struct Sight<'a> {
     bins: Vec<Vec<&'a Solid>>,
 }
 
 impl<'a> Sight<'a> {
-    /// What is to be seen of `solids` from a place, within 25 m.
+    /// The `solids` visible from a place, within 25 m.
     pub(super) fn new(solids: impl Iterator<Item = &'a Solid>, from: Vector3<f32>) -> Self {
         let mut bins = vec![Vec::new(); 360];
         for solid in solids {
             let (dx, dy) = (solid.centre[0] - from.x, solid.centre[1] - from.y);
             let distance = (dx * dx + dy * dy).sqrt();
-            // Their shadow reaches somewhat further.
+            // The shadow extends beyond the solid.
             let radius = solid.radius() + SHADOW_M;
             if distance > 25.0 {
                 continue;
@@ -189,5 +189,5 @@ impl<'a> Sight<'a> {
     }
 }
 
-/// How far from a solid its shadow on the floor ends, metres.
+/// Distance from a solid at which its shadow on the floor ends, metres.
 pub(super) const SHADOW_M: f32 = 0.25;

@@ -1,4 +1,4 @@
-//! What the surfaces of a building look like.
+//! The appearance of a building's surfaces.
 
 use rand::{RngExt as _, SeedableRng as _};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -6,7 +6,7 @@ use rand_xoshiro::Xoshiro256PlusPlus;
 /// A colour, linear: 1 is white at the exposure of the style.
 pub(super) type Colour = [f32; 3];
 
-/// The style: everything that is drawn once for a whole building. Lengths in metres.
+/// The style: all random choices made once for a whole building. Lengths in metres.
 #[derive(Debug, Clone)]
 pub(super) struct Look {
     pub(super) seed: u32,
@@ -29,7 +29,7 @@ pub(super) struct Look {
     pub(super) mullions: f32,
     sills: [f32; 2],
     lintel_drop: [f32; 2],
-    /// Brightness of the sky, and of what grows before it.
+    /// Brightness of the sky, and of the vegetation before it.
     pub(super) outside: f32,
     pub(super) green: Colour,
     /// Share of haze over what is outside.

@@ -14,7 +14,7 @@ fn rig() -> Rig {
     Calibration::nominal().rig([Some(SIZE), Some(SIZE)]).unwrap()
 }
 
-/// A room of 6 m x 5 m without anything in it, and a window in its eastern wall.
+/// An empty room of 6 m x 5 m, with a window in its eastern wall.
 fn room() -> PlanRaster {
     let mut raster = PlanRaster::empty(700, 600, 0.01, [0.0, 0.0]);
     for y in 0..600 {
@@ -34,7 +34,7 @@ fn empty() -> SceneOptions {
     SceneOptions { clutter: 0, people: 0, operator: false, ..SceneOptions::default() }
 }
 
-/// Mean brightness of 5 x 5 pixels around where a point of the map is seen.
+/// Mean brightness of 5 x 5 pixels around the image of a point of the map.
 fn brightness(frames: &[Option<RgbImage>; 2], pose: &Pose, point: [f64; 3]) -> f64 {
     let rig = rig();
     let (number, view) =
@@ -67,7 +67,7 @@ fn columns_have_the_ranges_of_the_core() {
                 Surface::Glass(..) => Hit::Window,
                 Surface::Outdoors => Hit::Open,
             };
-            // The core samples every 2 cm: it is late by up to that, and may step over a corner.
+            // The core samples every 2 cm: its range is late by up to that, and it may step over a corner.
             let late = f32::from(scan.steps[bin]) * 0.02 - face.range;
             hit == scan.hit[bin] && (-0.011..0.031).contains(&late)
         };
@@ -154,7 +154,7 @@ fn only_thin_interior_walls_go_missing() {
             .filter(|&(x, y)| grid.cell(x, y) == WALL)
             .count()
     };
-    // The columns and pillars of these rooms are a tenth of their walls, and stay.
+    // Columns and pillars are a tenth of these rooms' walls, and stay.
     let (facade, rooms) = ((100..3100, 100..140), (400..2900, 170..600));
     for (missing, least, most) in [(0.0, 0.0, 0.0), (0.3, 0.05, 0.6), (1.0, 0.85, 0.95)] {
         let torn = Scene::new(&SceneOptions { missing, ..empty() }, &raster).grid;

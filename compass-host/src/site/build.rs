@@ -21,7 +21,7 @@ pub enum BuildError {
     /// The plan has no interior, or an option is out of range.
     #[error(transparent)]
     Interior(#[from] InteriorError),
-    /// No place inside is left.
+    /// No candidate position is inside and clear of everything occupied.
     #[error("no candidate: spacing {spacing_m} m and clearance {clearance_m} m leave no position inside")]
     NoCandidate {
         /// Distance between candidates, metres.
@@ -51,8 +51,8 @@ impl Default for BuildOptions {
     }
 }
 
-/// Builds the site map of a plan: candidates on a grid over the interior, each with its scan, and with the scan of
-/// the `structure` as a second layer when that is given.
+/// Builds the site map of a plan: candidates on a grid over the interior, each with its scan and, if `structure` is
+/// given, the scan of the structure as a second layer.
 ///
 /// Uses all cores; the bytes are the same for any number of them.
 ///
@@ -67,7 +67,7 @@ pub fn build(
     build_with_progress(raster, plan, structure, options, &Silent)
 }
 
-/// [`build`], showing its progress.
+/// [`build`] with progress reports.
 ///
 /// # Errors
 /// As [`build`].
@@ -100,13 +100,13 @@ pub fn build_with_progress(
     Ok(bytes)
 }
 
-/// The layers of the first candidate, one of each plan, then those of the next.
+/// The layers of the first candidate, one per plan, then those of the next.
 fn cast(plans: &[Plan<'_>], cells: &[[u16; 2]], progress: &dyn Progress) -> Vec<Layer> {
     let progress = progress.begin(cells.len() * plans.len(), "casting candidates");
     let layer = |plan: &Plan<'_>, [column, row]: [u16; 2]| {
         let mut scan = Scan::OPEN;
-        // Candidates are free in the plan by construction, and in its structure, which only lacks walls; were one
-        // not, its scan would be open all around.
+        // Candidates are free in the plan by construction, and in its structure, which only lacks walls. An occupied
+        // one would get an open scan.
         let _ = plan.scan(plan.cell_centre(column, row), Turn::ZERO, &mut scan);
         progress.step();
         layer_of(&scan)
@@ -115,7 +115,7 @@ fn cast(plans: &[Plan<'_>], cells: &[[u16; 2]], progress: &dyn Progress) -> Vec<
     cells.par_iter().flat_map_iter(|&cell| plans.iter().map(move |plan| layer(plan, cell))).collect()
 }
 
-/// Writes the map; there is no failing to write into memory.
+/// Writes the map; writing into memory cannot fail.
 fn write(header: &Header, cells: &[[u16; 2]], layers: &[Layer]) -> Result<Bytes, Infallible> {
     let mut writer = Writer::new(Bytes::default(), header)?;
     for (cell, layers) in cells.iter().zip(layers.chunks_exact(usize::from(header.layers))) {

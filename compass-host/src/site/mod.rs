@@ -1,4 +1,4 @@
-//! From a plan raster to what the core works on: the packed plan and the site map.
+//! From a plan raster to the core's input: the packed plan and the site map.
 
 mod build;
 mod packed_plan;

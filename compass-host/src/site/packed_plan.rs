@@ -10,15 +10,15 @@ use thiserror::Error;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum PackError {
-    /// The origin is farther from (0, 0) than coordinates reach, or no number.
+    /// The origin is out of the range of coordinates, or not finite.
     #[error("origin is too far out")]
     Origin,
-    /// The core refuses the size or the resolution.
+    /// The core does not support the size or the resolution.
     #[error(transparent)]
     Plan(#[from] PlanError),
 }
 
-/// No rays can be cast from a position.
+/// A position from which no rays can be cast.
 #[derive(Debug, Clone, Copy, PartialEq, Error)]
 #[error("at {},{}: {source}", at[0], at[1])]
 pub struct ScanError {
@@ -38,7 +38,7 @@ impl PackedPlan {
     /// Packs a raster.
     ///
     /// # Errors
-    /// When the resolution, origin or size lie outside what the core can hold.
+    /// When the resolution, origin or size is out of the core's range.
     pub fn new(raster: &PlanRaster) -> Result<Self, PackError> {
         let (walls, windows) = (raster.walls_mask(), raster.windows_mask());
         let [x, y] = raster.origin;

@@ -1,8 +1,8 @@
-//! Positions and headings of the core from metres and degrees.
+//! Conversions from metres and degrees to the core's positions and headings.
 
 use compass_core::base::num::{Metres, Point, Turn};
 
-/// A point of the map from metres; `None` when it is no number or out of reach.
+/// A point of the map from metres; `None` when it is not finite or out of range.
 #[must_use]
 pub fn point(x: f64, y: f64) -> Option<Point> {
     let metres = |v: f64| if v.is_finite() { Metres::checked_from_num(v) } else { None };
@@ -13,11 +13,11 @@ pub fn point(x: f64, y: f64) -> Option<Point> {
 #[must_use]
 pub fn turn(degrees: f64) -> Turn {
     let share = degrees.rem_euclid(360.0) / 360.0;
-    // 2^32 itself is the whole turn, that is 0.
+    // 2^32 itself is a full turn, hence 0.
     Turn::from_bits((share * 4_294_967_296.0).round() as u64 as u32)
 }
 
-/// An angle in degrees, of any size, as one from -180 up to 180.
+/// An angle in degrees, wrapped to [-180, 180).
 #[must_use]
 pub fn wrapped(degrees: f64) -> f64 {
     (degrees + 180.0).rem_euclid(360.0) - 180.0

@@ -1,4 +1,4 @@
-//! What surrounds a place, from a building in flash: 360 rays, and their descriptor.
+//! The surroundings of a place, from a building in flash: 360 rays, and their descriptor.
 #![no_std]
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! Where two frames were taken, from a building in flash.
+//! The pose of two frames, from a building in flash.
 #![no_std]
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! Where the rig is by now: a belief that is carried from frame to frame.
+//! The pose of the rig over time: a belief that is carried from frame to frame.
 #![no_std]
 #![no_main]
 
@@ -12,7 +12,7 @@ use semihosting::{println, process};
 
 static BUILDING: &[u8] = include_bytes!("../../../tests/vectors/sample.site");
 const WORDS: usize = Settings::BOARD.memory_words(WIDTH, HEIGHT);
-/// Seconds between frames, and how far wheels or legs have come since the frame before: here, nowhere.
+/// Seconds between frames, and the motion by odometry since the frame before: here, none.
 const SECONDS: f32 = 0.5;
 const MOTION: Motion = Motion { forward_m: 0.0, left_m: 0.0, turn: 0.0 };
 

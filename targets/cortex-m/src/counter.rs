@@ -24,7 +24,7 @@ struct Clocks {
     clk100hz: usize,
 }
 
-/// Those of the board that the image is for. On secure boards peripherals are seen at their secure addresses.
+/// The clocks of the board that the image is built for. On secure boards peripherals are at their secure addresses.
 const CLOCKS: Clocks = match env!("COMPASS_BOARD").as_bytes() {
     b"an505" => Clocks { tick_ps: 50_000, clk100hz: 0x5030_2014, ..cmsdk_timer(0x5000_0000) },
     // SysTick; the timers of this board have another interface.
@@ -53,20 +53,20 @@ const fn cmsdk_timer(base: usize) -> Clocks {
     }
 }
 
-/// The last reading before the timer turns over.
+/// The last reading before the timer wraps.
 const LAST: u64 = (1 << CLOCKS.bits) - 1;
 /// Picoseconds per tick of the 100 Hz counter.
 const CENTISECOND_PS: u64 = 10_000_000_000;
 /// Picoseconds per instruction: the emulator's `-icount shift=7`.
 const INSTRUCTION_PS: u64 = 1000 << 7;
 
-/// A timer that proved to count instructions.
+/// A timer that was verified to count instructions.
 #[derive(Debug)]
 pub struct Counter {
     overhead: u64,
 }
 
-/// The clocks at one moment.
+/// The readings of the clocks at one instant.
 #[derive(Debug, Clone, Copy)]
 pub struct Reading {
     coarse: u32,
@@ -82,9 +82,9 @@ impl Counter {
     #[must_use]
     pub fn start() -> Self {
         const TURNS: u32 = 1_000_000;
-        // Two instructions a turn; call, argument and return.
+        // Two instructions per iteration; call, argument and return.
         const EXPECTED: u64 = 2 * TURNS as u64 + 4;
-        // SAFETY: the registers of a timer nothing else uses.
+        // SAFETY: the registers of a timer that nothing else uses.
         unsafe {
             (CLOCKS.reload as *mut u32).write_volatile(LAST as u32);
             (CLOCKS.value as *mut u32).write_volatile(LAST as u32);
@@ -101,7 +101,7 @@ impl Counter {
         counter
     }
 
-    /// What `f` returns, and the instructions it executed.
+    /// Runs `f`; returns its result and the instructions it executed.
     pub fn count<T>(&self, f: impl FnOnce() -> T) -> (T, u64) {
         let start = now();
         let value = f();
@@ -129,13 +129,13 @@ pub fn now() -> Reading {
 fn between(start: Reading, end: Reading) -> u64 {
     let fine = end.fine.wrapping_sub(start.fine) & LAST;
     let coarse = u64::from(end.coarse.wrapping_sub(start.coarse)) * CENTISECOND_PS / CLOCKS.tick_ps;
-    // The coarse count is off by less than one of its ticks, far below half a turn of the timer.
+    // The coarse count is off by less than one of its ticks, far below half a period of the timer.
     let turns = (coarse.saturating_sub(fine) + LAST / 2) >> CLOCKS.bits;
     let picoseconds = ((turns << CLOCKS.bits) + fine) * CLOCKS.tick_ps;
     (picoseconds + INSTRUCTION_PS / 2) / INSTRUCTION_PS
 }
 
-/// Two instructions a turn.
+/// Two instructions per iteration.
 #[inline(never)]
 fn spin(turns: u32) {
     // SAFETY: touches one register and the flags.

@@ -1,7 +1,7 @@
 //! Files of the machine that the emulator or the debugger runs on, read through semihosting into memory beside the
 //! image's own.
 //!
-//! They stand in for what a product has in flash, or gets from its cameras.
+//! They stand in for a product's flash, or for its cameras.
 
 use core::ffi::CStr;
 use core::fmt::Display;
@@ -46,7 +46,7 @@ pub fn read<'a>(path: &str, memory: &'a mut [u8]) -> (&'a [u8], &'a mut [u8]) {
     (bytes, rest)
 }
 
-/// Displays what can only be debugged.
+/// Displays a value that only implements `Debug`.
 struct Debugged<T>(T);
 
 impl<T: core::fmt::Debug> Display for Debugged<T> {
@@ -60,7 +60,7 @@ unsafe extern "C" {
     static mut _external_end: u8;
 }
 
-/// The board's external memory, of which no section lies in it: for files.
+/// The board's external memory, which holds no section: for files.
 ///
 /// # Safety
 /// May be called once.

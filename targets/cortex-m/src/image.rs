@@ -1,4 +1,4 @@
-//! What the image takes of flash and RAM, by the symbols of cortex-m-rt's linker script.
+//! Flash and RAM use of the image, by the symbols of cortex-m-rt's linker script.
 
 unsafe extern "C" {
     static __stext: u32;
@@ -14,7 +14,7 @@ unsafe extern "C" {
 pub struct Sizes {
     /// Instructions, in flash.
     pub code: usize,
-    /// Constants, in flash. What variables begin with is not among them: that depends on how they are made.
+    /// Constants, in flash, without the initial values of variables: those depend on how they are constructed.
     pub constants: usize,
     /// Static variables, in RAM.
     pub variables: usize,

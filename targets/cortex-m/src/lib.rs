@@ -1,7 +1,7 @@
-//! What the images for (emulated) Cortex-M boards share: printing, counting, stack use, exit status.
+//! Shared by the images for (emulated) Cortex-M boards: printing, counting, stack use, exit status.
 //!
 //! # Report
-//! One fact a line on standard output, through semihosting:
+//! One fact per line on standard output, through semihosting:
 //!
 //! | line | meaning |
 //! |---|---|

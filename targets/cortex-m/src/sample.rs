@@ -1,4 +1,4 @@
-//! What a product has of its own: here, the sample of the tests. Copy what you need.
+//! The product's own data: here, the sample of the tests. Copy what you need.
 
 use compass_core::vision::camera::{Camera, CameraError, Intrinsics, KannalaBrandt, Rig, View};
 use nalgebra::{Matrix3, Vector3};
@@ -8,7 +8,7 @@ pub const WIDTH: u16 = 368;
 /// Size of the frames, pixels.
 pub const HEIGHT: u16 = 360;
 
-/// What the two cameras saw, row by row: a product's cameras write it into RAM.
+/// The images of the two cameras, row by row: a product's cameras write them into RAM.
 pub static FRAMES: [&[u8]; 2] = [
     include_bytes!("../../../tests/vectors/frame_368x360_cam0.gray"),
     include_bytes!("../../../tests/vectors/frame_368x360_cam1.gray"),

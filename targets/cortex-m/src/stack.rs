@@ -1,4 +1,4 @@
-//! Stack use, by paint on unused stack.
+//! Stack use, by painting the unused stack.
 
 use cortex_m::register::msp;
 use cortex_m_rt::STACK_PAINT_VALUE;
@@ -22,7 +22,7 @@ pub fn depth() -> usize {
     &raw const _stack_start as usize - msp::read() as usize
 }
 
-/// Bytes left to the painter itself.
+/// Bytes reserved for the painting function itself.
 const OWN: usize = 64;
 
 /// Paints all unused stack.
@@ -31,8 +31,8 @@ pub fn paint() {
     let top = msp::read();
     let mut word = (&raw const _stack_end).cast_mut();
     while (word as usize) + OWN < top as usize {
-        // SAFETY: between the end of static memory and the stack pointer lies nothing that anybody uses; there are no
-        // interrupts that would push onto it, and volatile writes are not moved.
+        // SAFETY: the bytes between the end of static memory and the stack pointer are unused; there are no interrupts
+        // that would push onto them, and volatile writes are not moved.
         unsafe { word.write_volatile(STACK_PAINT_VALUE) };
         word = word.wrapping_add(1);
     }
@@ -42,8 +42,8 @@ pub fn paint() {
 fn deepest() -> *const u32 {
     let (top, limit) = (&raw const _stack_start, &raw const _stack_end);
     let mut deepest = limit;
-    // SAFETY: both symbols bound the stack region, aligned to words; the words below the stack pointer
-    // belong to nobody, and volatile reads keep the compiler from reasoning about them.
+    // SAFETY: both symbols bound the stack region, aligned to words; the words below the stack pointer are unused, and
+    // volatile reads keep the compiler from reasoning about them.
     while deepest < top && unsafe { deepest.read_volatile() } == STACK_PAINT_VALUE {
         deepest = deepest.wrapping_add(1);
     }

@@ -1,13 +1,13 @@
 //! The stages of `compass-core`, one checksum each.
 //!
-//! The host, emulated Cortex-M boards and emulated ARM Linux all run this list on the same bytes. What
-//! floating point the core has is IEEE through one library, so the checksums must be equal everywhere, bit for bit.
+//! The host, emulated Cortex-M boards and emulated ARM Linux all run this list on the same bytes. The core's floating
+//! point is IEEE arithmetic through one library, so the checksums must be equal everywhere, bit for bit.
 //!
-//! Two parts: [`STAGES`] are functions that read the [`Inputs`] and what earlier stages left in the [`Workspace`]; to add
-//! one, give its output a field of [`Workspace`] and append it to the list. From frames to a pose the stages are those of
-//! the core's [`Locator`](compass_core::locator::Locator), whose [`Trace`](compass_core::locator::Trace) hands out what each
-//! finds. A [`Report`] is told when a stage begins and ends, so that a target can count what it costs, and then its
-//! checksum.
+//! Two parts: [`STAGES`] are functions that read the [`Inputs`] and the outputs of earlier stages in the
+//! [`Workspace`]; to add one, give its output a field of [`Workspace`] and append it to the list. From frames to a
+//! pose the stages are those of the core's [`Locator`](compass_core::locator::Locator), whose
+//! [`Trace`](compass_core::locator::Trace) receives each result. A [`Report`] is called when a stage begins and ends,
+//! so that a target can measure its cost, and then with its checksum.
 #![no_std]
 #![forbid(unsafe_code)]
 
@@ -40,9 +40,9 @@ pub use shots::{Located, Shots};
 const ANGLES: usize = 2 * BINS;
 /// Places of the shortlist.
 const SHORTLIST: usize = 64;
-/// Matches that the shortlist chooses alternatives from.
+/// Size of the pool from which the shortlist search selects alternatives.
 const SHORTLIST_POOL: usize = 256;
-/// Matches that the exact search chooses alternatives from.
+/// Size of the pool from which the exact search selects alternatives.
 const EXACT_POOL: usize = 400;
 
 static SAMPLE_SITE: &[u8] = include_bytes!("../../../tests/vectors/sample.site");
@@ -57,14 +57,14 @@ const CANDIDATES: usize = {
     word(site, map + 12)
 };
 
-/// What every target computes on.
+/// The inputs of every target.
 #[derive(Debug, Clone, Copy)]
 pub struct Inputs<'a> {
-    /// A site of one floor, with no more candidates than the sample's.
+    /// A site of one floor, with at most as many candidates as the sample's.
     pub site: &'a [u8],
-    /// Where the robot is.
+    /// Position of the robot.
     pub position: Point,
-    /// Where it looks.
+    /// Heading of the robot.
     pub heading: Turn,
     /// The candidate nearest to it.
     pub nearest: u32,
@@ -126,8 +126,8 @@ pub struct Workspace {
     pipeline: pipeline::Memory,
 }
 
-/// Bytes of RAM by what they are for; a board needs those of its own use. The rest of the [`Workspace`] keeps outputs
-/// for their checksums.
+/// Bytes of RAM by purpose; a board needs those of the operations that it uses. The rest of the [`Workspace`] keeps
+/// outputs for their checksums.
 pub const RAM: [(&str, usize); 4] = [
     ("locator", POSE_RAM),
     ("track", size_of::<Track>()),
@@ -252,14 +252,14 @@ pub const STAGES: &[Stage] = &[
     },
 ];
 
-/// What a target does beside a stage.
+/// The callbacks of a target around a stage.
 pub trait Report {
     /// A stage begins.
     fn begin(&mut self, name: &'static str) {
         let _ = name;
     }
 
-    /// Its work is done.
+    /// A stage has ended.
     fn end(&mut self, name: &'static str) {
         let _ = name;
     }
@@ -292,7 +292,7 @@ pub fn checksum(words: impl IntoIterator<Item = u32>) -> u32 {
     digest.finalize()
 }
 
-/// The checksum of a value whose fields are private: of its debug text.
+/// The checksum of a value with private fields: of its debug text.
 fn debug_checksum(value: &impl fmt::Debug) -> u32 {
     struct Sink(Digest<'static, u32>);
     impl fmt::Write for Sink {
@@ -310,7 +310,7 @@ const fn unit_bits(value: Unit) -> u32 {
     value.to_bits().cast_unsigned()
 }
 
-/// The best match and all alternatives, then what the answer says of itself.
+/// The best match and all alternatives, then the flags of the result.
 fn answer_words(answer: Option<&Answer>) -> impl Iterator<Item = u32> {
     answer.into_iter().flat_map(|answer| {
         let matches = answer.matches().iter();
@@ -319,7 +319,7 @@ fn answer_words(answer: Option<&Answer>) -> impl Iterator<Item = u32> {
     })
 }
 
-/// Each whole degree, and a thousandth of a turn past it.
+/// Each whole degree, and a thousandth of a turn beyond it.
 fn turns(_: &Inputs<'_>, workspace: &mut Workspace) {
     for (degrees, pair) in (0..).zip(workspace.turns.chunks_exact_mut(2)) {
         let whole = Turn::from_ratio(degrees, 360);
@@ -351,7 +351,7 @@ fn fft(_: &Inputs<'_>, workspace: &mut Workspace) {
     assert!(forward(&mut workspace.signal), "1024 points are supported");
 }
 
-/// Parts between -2^29 and 2^29, by a linear congruential generator.
+/// Values between -2^29 and 2^29, by a linear congruential generator.
 static SIGNAL: [Complex; MAX_POINTS] = {
     let mut signal = [Complex::ZERO; MAX_POINTS];
     let mut state = 1_u32;
@@ -389,7 +389,7 @@ fn rank(inputs: &Inputs<'_>, workspace: &mut Workspace) {
     }
 }
 
-/// The search of a board: ranks all, scores the best.
+/// The search for a board: ranks all candidates, scores the best.
 fn localize(inputs: &Inputs<'_>, workspace: &mut Workspace) {
     let Workspace { query, board, ranked, shortlist_pool, localized, .. } = workspace;
     *localized = Some(shortlist(&inputs.map(), query, None, board, ranked, shortlist_pool));
@@ -488,7 +488,7 @@ mod tests {
         let mut seen = segmented.level(&up.up).unwrap().see();
         let windows = seen.window_evidence();
         assert!(!windows.truncated && windows.count > 0);
-        // Against what the plan says at the same pose.
+        // Against the plan's scan at the same pose.
         let mut scan = Scan::OPEN;
         inputs.plan().scan(FRAMES_FROM.0, FRAMES_FROM.1, &mut scan).unwrap();
         let bins = windows.hit.iter().zip(windows.confidence.sixteenths()).zip(&scan.hit);

@@ -1,4 +1,4 @@
-//! From the sample's frames to a pose and a track, by the core's pipeline: the checksum of what each stage finds.
+//! From the sample's frames to a pose and a track, by the core's pipeline: the checksum of each stage's result.
 
 use crate::{Inputs, Report, WORDS, checksum, frames, prior};
 use compass_core::base::num::Metres;
@@ -16,10 +16,10 @@ pub(crate) type SampleLocator<'a, 'm, T> = Locator<'a, &'m mut [u32], T, 1>;
 /// Bytes of RAM on the way from frames to a pose, beside the stack.
 pub const POSE_RAM: usize = size_of::<[u32; WORDS]>();
 
-/// The stages on that way.
+/// The stages of the pipeline.
 pub const POSE_STAGES: [&str; 6] = ["segments", "segments_back", "attitude", "windows", "ranges", "locate"];
 
-/// What the pipeline needs, and where it has come to.
+/// The state and memory of the pipeline.
 #[derive(Debug)]
 pub(crate) struct Memory {
     words: [u32; WORDS],
@@ -32,7 +32,7 @@ impl Memory {
     }
 }
 
-/// Locates the frames, and takes them twice into a track: a fifth of a second and a few centimetres apart by odometry.
+/// Locates the frames, and adds them twice to a track: a fifth of a second and a few centimetres apart by odometry.
 #[inline(never)]
 pub(crate) fn run(inputs: &Inputs<'_>, memory: &mut Memory, report: &mut impl Report) {
     let mut locator = inputs.locator(&mut memory.words, Checks { report, tracked: 0 });
@@ -47,11 +47,11 @@ pub(crate) fn run(inputs: &Inputs<'_>, memory: &mut Memory, report: &mut impl Re
     let _estimate = seen.track(track, &fix, 0.2, Some(moved));
 }
 
-/// Reports stages with the checksums of what they find.
+/// Reports stages with the checksums of their results.
 #[derive(Debug)]
 struct Checks<'r, R> {
     report: &'r mut R,
-    /// Frames taken into the track.
+    /// Number of frames added to the track.
     tracked: usize,
 }
 
@@ -79,7 +79,7 @@ impl<R: Report> Trace for Checks<'_, R> {
     }
 }
 
-/// The checksum of every bit of what a stage found.
+/// The checksum of every bit of a stage's result.
 #[inline(never)]
 fn sum(picture: Picture<'_>) -> u32 {
     match picture {
@@ -105,7 +105,7 @@ fn up_words(vertical: Option<&Vertical>) -> impl Iterator<Item = u32> + '_ {
     })
 }
 
-/// The windows, and what is said of each bin.
+/// The windows, and the evidence of each bin.
 fn window_words<'a>(windows: &'a [Window], evidence: &'a WindowEvidence) -> impl Iterator<Item = u32> + 'a {
     let windows = windows.iter().flat_map(|w| {
         let [[left, right], [top, bottom]] = [w.columns, w.rows].map(|pair| pair.map(u32::from));

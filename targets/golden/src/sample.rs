@@ -1,4 +1,4 @@
-//! The frames that every target computes on: two of 368 x 360 pixels.
+//! The sample frames of every target: two of 368 x 360 pixels.
 
 use crate::Inputs;
 use crate::pipeline::SampleLocator;
@@ -15,14 +15,14 @@ const WIDTH: u16 = 368;
 /// Size of the frames.
 const HEIGHT: u16 = 360;
 
-/// Words of memory that these frames take.
+/// Words of memory for these frames.
 pub const WORDS: usize = Settings::BOARD.memory_words(WIDTH, HEIGHT);
 
-/// Where the frames were taken (`compass_host::sample`).
+/// The pose of the frames (`compass_host::sample`).
 pub const FRAMES_FROM: (Point, Turn) =
     (Point::new(Metres::lit("4.12"), Metres::lit("17.77")), Turn::from_ratio(2886, 3600));
 
-/// The frames of both cameras: gray levels, and a mask of what is red.
+/// The frames of both cameras: gray levels, and the exclusion mask of red gear.
 pub(crate) static FRAMES: [(&[u8], &[u8]); 2] = [
     (
         include_bytes!("../../../tests/vectors/frame_368x360_cam0.gray"),
@@ -37,7 +37,7 @@ pub(crate) static FRAMES: [(&[u8], &[u8]); 2] = [
 /// Both frames.
 ///
 /// # Panics
-/// Never: the files have their size.
+/// Never: the files have the right size.
 #[must_use]
 pub fn frames() -> Frames<'static> {
     FRAMES.map(|(gray, red)| {
@@ -57,7 +57,7 @@ pub const fn prior() -> Prior {
 /// The nominal rig of `compass-host`, for frames of a quarter of its width and height.
 ///
 /// # Panics
-/// Never: it is a usual one.
+/// Never: its parameters are valid.
 #[must_use]
 pub fn rig() -> Rig {
     let view = |[fx, fy, cx, cy]: [f32; 4], k| {
@@ -82,10 +82,10 @@ pub fn rig() -> Rig {
 }
 
 impl<'a> Inputs<'a> {
-    /// A locator for the frames on the floor of these inputs, with a sink of what its stages find.
+    /// A locator for the frames on the floor of these inputs, with a sink for the stages' results.
     ///
     /// # Panics
-    /// Never with the memory that [`WORDS`] says.
+    /// Never with [`WORDS`] words of memory.
     pub(crate) fn locator<'m, T: Trace>(&self, memory: &'m mut [u32], trace: T) -> SampleLocator<'a, 'm, T> {
         let locator = Locator::traced(rig(), Settings::BOARD, memory, trace);
         let mut locator = locator.expect("the memory is made for the frames");

@@ -1,4 +1,4 @@
-//! What a target finds in packed frames: pose and track, as lines that targets are compared by.
+//! Localizes packed frames: pose and track, as lines for comparison between targets.
 
 use crate::WORDS;
 use compass_core::base::num::Metres;
@@ -12,10 +12,10 @@ use compass_core::vision::sample::ExclusionMask;
 use compass_core::vision::shot::Shot;
 use core::fmt;
 
-/// Below an even chance the answer is "I don't know".
+/// Below this probability the answer is "I don't know".
 const LEAST_PROBABILITY: f32 = 0.5;
 
-/// All that is kept from frame to frame, and the memory of the stages.
+/// The state kept from frame to frame, and the memory of the stages.
 #[derive(Debug)]
 pub struct Shots {
     words: [u32; WORDS],
@@ -24,13 +24,13 @@ pub struct Shots {
 }
 
 impl Shots {
-    /// For a static; it takes no flash.
+    /// For use in a static; it takes no flash.
     #[must_use]
     pub const fn new() -> Self {
         Self { words: [0; WORDS], track: Track::new(), last_ns: None }
     }
 
-    /// The pose of what the cameras took, and where the track has come to.
+    /// The pose of a pair of frames, and the updated track.
     ///
     /// # Errors
     /// [`Error`].
@@ -63,7 +63,7 @@ impl Default for Shots {
     }
 }
 
-/// What was found; displayed, it is lines of names and values, and the bits of the pose.
+/// The result; it displays as lines of names and values, and the bits of the pose.
 #[derive(Debug, Clone)]
 pub struct Located<'a> {
     fix: Fix<'a>,
@@ -71,7 +71,7 @@ pub struct Located<'a> {
 }
 
 impl Located<'_> {
-    /// Whether the pose is more likely right than not.
+    /// Whether the pose is more likely right than wrong.
     #[must_use]
     pub fn is_known(&self) -> bool {
         self.fix.probability() >= LEAST_PROBABILITY

@@ -1,6 +1,6 @@
 //! Prints the golden checksums, one `check NAME 0xXXXXXXXX` line per stage.
 //!
-//! Run on the host this gives the lines that every other target must repeat.
+//! On the host it prints the lines that every other target must reproduce.
 
 use compass_golden::{Inputs, Report, Workspace};
 use std::sync::Mutex;

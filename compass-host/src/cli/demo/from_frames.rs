@@ -27,10 +27,10 @@ use std::time::Instant;
 /// Size of the frames, and height of the camera above the floor in metres.
 const SIZE: (u32, u32) = (736, 720);
 const HEIGHT_M: f64 = 1.6;
-/// The rig looks up a little and hangs upside down, askew.
+/// The rig is pitched up a little and hangs upside down with some roll.
 const PITCH_ROLL_DEG: [f64; 2] = [4.0, 187.0];
 
-/// What the frames gave.
+/// The results for the frames.
 pub(super) struct Seen {
     pub(super) poses: Vec<Pose<'static>>,
     pub(super) probability: f64,
@@ -70,20 +70,21 @@ pub(super) fn run(dir: &Path, raster: &PlanRaster, plan: &PackedPlan) -> Result<
     let mut seen = see(levelled);
     let fix = seen.locate(HeightPrior::UNKNOWN);
     let milliseconds = started.elapsed().as_secs_f64() * 1e3;
-    let (sighting, windows) = (&seen.window_evidence().clone(), &seen.windows().to_vec());
+    let (window_evidence, windows) = (&seen.window_evidence().clone(), &seen.windows().to_vec());
     let descriptor = VisualDescriptor::of(&mut seen, HeightPrior::both(fix.heights()));
     let truth = plan.scan([x, y], heading)?;
     let (plan, descriptor, rig) = (Some(&truth), Some(&descriptor), &rig);
     let considered = locator.watch().considered().context("the panorama was drawn")?;
-    Found { frames, rig, segments, considered, level, windows, sighting, descriptor, plan }.draw(dir)?;
-    let poses: Vec<_> = fix.poses().iter().map(|mode| pose_of(mode, None)).collect();
+    Found { frames, rig, segments, considered, level, windows, window_evidence, descriptor, plan }
+        .draw(dir)?;
+    let poses: Vec<_> = fix.poses().iter().map(|scored| pose_of(scored, None)).collect();
     pictures::site_map(&dir.join("map.png"), raster, &floors[0].map, None, FRAME_POSE, &poses)?;
     let probability = f64::from(fix.probability());
     Ok(Seen { poses, probability, camera_height_m: f64::from(fix.camera_height_m()), milliseconds })
 }
 
 impl Seen {
-    /// What is printed of it.
+    /// The printed summary.
     pub(super) fn summary(&self) -> String {
         let ([x, y], heading) = FRAME_POSE;
         let truth = format!("frames  x {x:.3} m  y {y:.3} m  heading {heading:.1} degrees\n");
@@ -96,7 +97,7 @@ impl Seen {
         )
     }
 
-    /// What the report says of it.
+    /// The section of the report.
     pub(super) fn section(&self) -> Section {
         let ([x, y], heading) = FRAME_POSE;
         let picture = |file: &str, caption: &str| Picture { file: file.into(), caption: caption.into() };

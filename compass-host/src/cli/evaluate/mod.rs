@@ -75,7 +75,7 @@ pub(super) struct Evaluate {
 
 impl Evaluate {
     pub(super) fn run(&self) -> Result<Outcome> {
-        // Everything is read before anything is written.
+        // All input is read before any output is written.
         let file = SiteFile::read(&self.map)?;
         let floors = file.floors();
         let mut locator =
@@ -123,7 +123,7 @@ impl Evaluate {
         Ok(Outcome::Done)
     }
 
-    /// The number of the floor that the truth lies on.
+    /// Index of the floor of the ground truth.
     fn true_floor(&self, floors: &[SiteFloor<'_>]) -> Result<usize> {
         let map = self.map.display();
         let names: Vec<&str> = floors.iter().filter_map(SiteFloor::name).collect();
@@ -141,7 +141,7 @@ impl Evaluate {
         }
     }
 
-    /// What the results of each frame depend on.
+    /// Fingerprint of everything that the results of each frame depend on.
     fn fingerprints(&self, file: &SiteFile, job: &Job<'_>, shots: &[Shot]) -> Result<HashMap<u64, String>> {
         let read =
             |path: &Path| std::fs::read(path).with_context(|| format!("{}: cannot be read", path.display()));

@@ -1,4 +1,4 @@
-//! The result of an evaluation for people and programs.
+//! The result of an evaluation as text and as JSON.
 
 use compass_host::evaluate::judged::JudgedFrame;
 use compass_host::evaluate::{Found, Misses, Row};
@@ -13,16 +13,16 @@ use std::path::PathBuf;
 #[derive(Debug, Serialize)]
 pub(super) struct Output<'a> {
     pub(super) frames: usize,
-    /// How many of them an earlier run had finished.
+    /// Number of frames that an earlier run had finished.
     pub(super) resumed: usize,
-    /// Frames with a truth.
+    /// Number of frames with ground truth.
     pub(super) scored: usize,
-    /// Frames in which nothing could be seen.
+    /// Number of frames without evidence.
     pub(super) unseen: usize,
-    /// What was taken from a bag.
+    /// The topics read from a bag.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) topics: Option<String>,
-    /// How many frames have their up vector from the image, the IMU or both.
+    /// Number of frames by source of the up vector: image, IMU or both.
     pub(super) up_from: BTreeMap<&'static str, usize>,
     pub(super) rows: Vec<Row>,
     pub(super) milliseconds: BTreeMap<String, Decimal>,
@@ -34,10 +34,10 @@ pub(super) struct Output<'a> {
 #[derive(Debug, Serialize)]
 pub(super) struct Frame<'a> {
     pub(super) timestamp_ns: u64,
-    /// Why nothing could be seen.
+    /// Why the frame gave no evidence.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) problem: Option<&'a str>,
-    /// What told the up vector.
+    /// The source of the up vector.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) up_from: Option<&'static str>,
     /// Lead of the single frame's pose over the best one elsewhere, nats.
@@ -52,7 +52,7 @@ pub(super) struct Frame<'a> {
 }
 
 impl<'a> Frame<'a> {
-    /// A frame with its floors by name where there are several.
+    /// A frame, with floor names where there are several floors.
     pub(super) fn of(frame: &'a JudgedFrame<'_>, floors: &[SiteFloor<'a>]) -> Self {
         let placed = |found: Option<&Found>, row: usize| {
             found.map(|found| {
@@ -91,7 +91,7 @@ pub(super) struct Tracked<'a> {
     pub(super) spread_m: Decimal,
 }
 
-/// A pose and how far it is off; null on another floor.
+/// A pose and its errors; null on the wrong floor.
 #[derive(Debug, Serialize)]
 pub(super) struct Placed<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -123,7 +123,7 @@ impl<'a> Placed<'a> {
 }
 
 impl Output<'_> {
-    /// The table of recall and what else there is to say.
+    /// The table of recall and the other key figures.
     pub(super) fn summary(&self) -> String {
         let mut text = format!(
             "{} frames, {} with a truth, {} unseen, {} from an earlier run\n",

@@ -1,4 +1,4 @@
-//! The segments by the vanishing point they belong to (paper: roll and pitch).
+//! The segments by vanishing point (paper: roll and pitch).
 
 use anyhow::Result;
 use compass_core::vision::attitude::{Arc, Axes};
@@ -15,18 +15,18 @@ const GRAY: RGBColor = RGBColor(0x9a, 0x9a, 0x9a);
 /// The vertical and the two axes.
 const COLOURS: [RGBColor; 3] =
     [RGBColor(0x20, 0x90, 0xff), RGBColor(0x20, 0xe0, 0x40), RGBColor(0xff, 0x90, 0x00)];
-/// Points to a great circle.
+/// Points per great circle.
 const STEPS: u16 = 720;
 /// Radius of the ring around a vanishing point, as a share of the image's width.
 const RING: f64 = 0.012;
 
-/// What there is to draw.
+/// The contents of the pictures.
 pub(super) struct Lines<'a> {
     pub(super) frames: [Option<&'a Frame>; 2],
     pub(super) rig: &'a Rig,
     /// Line segments of each frame.
     pub(super) segments: [Vec<Segment>; 2],
-    /// Largest angle between a segment and the vertical that it points to, degrees.
+    /// Largest angle between a segment and its vanishing point, degrees.
     pub(super) tolerance_deg: f32,
     pub(super) level: &'a LevelFrame,
     pub(super) axes: Option<Axes>,
@@ -48,7 +48,7 @@ impl Lines<'_> {
         Ok(())
     }
 
-    /// The three directions, as far as they are known.
+    /// The three directions that are known.
     fn directions(&self) -> Vec<(String, Bearing)> {
         let mut all = vec![("vertical".to_owned(), self.level.up())];
         if let Some(axes) = self.axes {
@@ -78,7 +78,7 @@ impl Lines<'_> {
         layers
     }
 
-    /// The circles at right angles to the three directions, and rings around their ends.
+    /// The great circles perpendicular to the three directions, and small circles around their ends.
     fn circles(&self, view: &View, width: f64) -> Vec<Layer> {
         let mut layers = Vec::new();
         for ((name, direction), colour) in self.directions().into_iter().zip(COLOURS) {
@@ -101,7 +101,7 @@ impl Lines<'_> {
     }
 }
 
-/// The pixel of a direction in camera 0's axes, if it lies in the image.
+/// The pixel of a direction in camera 0's axes, if it is in the image.
 fn seen(view: &View, direction: &Bearing) -> Option<[f64; 2]> {
     let pixel = view.camera.project(&view.rotation.tr_mul(direction))?;
     let inside =
@@ -109,7 +109,7 @@ fn seen(view: &View, direction: &Bearing) -> Option<[f64; 2]> {
     inside.then(|| [pixel.x, pixel.y].map(f64::from))
 }
 
-/// The pieces in the image of the great circle at right angles to a direction.
+/// The visible pieces of the great circle perpendicular to a direction.
 fn circle(view: &View, pole: &Bearing) -> Vec<Vec<[f64; 2]>> {
     let smallest = pole.iamin();
     let side = pole.cross(&Bearing::ith(smallest, 1.0)).normalize();

@@ -19,7 +19,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// Layers of a floor as they are reported.
+/// Names of a floor's layers in the result.
 const LAYERS: [&str; 2] = ["plan", "structure"];
 
 #[derive(Debug, Serialize)]
@@ -31,17 +31,17 @@ struct Output<'a> {
     heading_deg: Decimal,
     up_in_cam0: [Decimal; 3],
     camera_height_m: Decimal,
-    /// Which layer of the floor explains best what is seen: the plan as drawn, or its structure alone.
+    /// The layer of the floor that explains the evidence best: the plan as drawn, or its structure alone.
     layer: &'static str,
-    /// Log-likelihood ratio against knowing nothing, nats.
+    /// Log-likelihood ratio against no information, nats.
     score: Decimal,
-    /// Bits of x, y and heading in hexadecimal, and of the score.
+    /// Bits of x, y and heading, and of the score, in hexadecimal.
     bits: String,
     margin: Decimal,
-    /// That the pose is within 1 m of the true one.
+    /// Probability that the pose is within 1 m of the true one.
     probability: Decimal,
     candidates: Vec<Pose<'a>>,
-    /// Which walls of the plan as drawn stand, by this pair of frames.
+    /// Verdicts on the walls of the plan as drawn, from this pair of frames.
     walls: WallSummary,
     #[serde(skip_serializing_if = "Option::is_none")]
     position_error_m: Option<Decimal>,
@@ -50,30 +50,30 @@ struct Output<'a> {
     milliseconds: BTreeMap<&'static str, Decimal>,
 }
 
-/// An answer that is no answer.
+/// The text of an uncertain answer.
 #[derive(Debug, Serialize)]
 struct Unsure<'a> {
     probability: Decimal,
     candidates: Vec<Pose<'a>>,
 }
 
-/// Where frames come from.
+/// The source of the frames.
 pub(super) enum Input<'i> {
     /// Images and a calibration.
     Images(&'i CameraArgs),
-    /// Packed frames, as a board reads them.
+    /// Packed frames, in the board's input format.
     Shot(&'i Path),
 }
 
-/// What the frames gave.
+/// The results for the frames.
 struct Located<'a> {
     up: Bearing,
     fix: Fix<'a>,
-    /// Empty if the pose is not sure enough.
+    /// Empty if the pose is uncertain.
     walls: Walls,
 }
 
-/// How to localize.
+/// Options of the localization.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Options {
     pub(super) settings: Settings,
@@ -81,7 +81,7 @@ pub(super) struct Options {
     pub(super) least_probability: f64,
 }
 
-/// Sees, searches and reports.
+/// Observes, searches and reports.
 pub(super) fn run(map: &Path, input: &Input<'_>, options: &Options, json: &JsonOption) -> Result<Outcome> {
     let mut clock = Clock::start();
     let file = SiteFile::read(map)?;
@@ -191,13 +191,13 @@ fn locate<'a>(
     Located { up, fix, walls }
 }
 
-/// Position, heading and score to the bit: what targets are compared by.
+/// Position, heading and score to the bit, for comparison between targets.
 fn bits(pose: &ScoredPose) -> String {
     let [x, y] = [pose.at.x, pose.at.y].map(Metres::to_bits);
     format!("{x:016x} {y:016x} {:08x} {}", pose.heading.to_bits(), pose.score.to_bits())
 }
 
-/// The walls of the plan as drawn, by what was seen from the likeliest pose.
+/// The verdicts on the walls of the plan as drawn, from the likeliest pose.
 fn walls(fix: &Fix<'_>, seen: &mut Seen<'_, '_>, floors: &[SiteFloor<'_>]) -> Walls {
     let mut walls = Walls::default();
     let floor = fix.pose().and_then(|pose| floors.get(usize::from(pose.floor))?.floor);
@@ -207,21 +207,21 @@ fn walls(fix: &Fix<'_>, seen: &mut Seen<'_, '_>, floors: &[SiteFloor<'_>]) -> Wa
     walls
 }
 
-/// A pose as it is reported: with its floor where there are several.
+/// A pose in the JSON result, with its floor where there are several.
 fn pose<'a>(scored: &ScoredPose, layers: &[FloorLayer<'a>]) -> Pose<'a> {
     let several = layers.iter().any(|layer| layer.floor > 0);
     let layer = layers.get(usize::from(scored.layer));
     pose_of(scored, layer.map(|layer| layer.name).filter(|_| several))
 }
 
-/// A scored pose as it is reported, with the floor where there are several.
-pub(in crate::cli) fn pose_of<'a>(mode: &ScoredPose, floor: Option<&'a str>) -> Pose<'a> {
+/// A scored pose in the JSON result, with its floor where there are several.
+pub(in crate::cli) fn pose_of<'a>(scored: &ScoredPose, floor: Option<&'a str>) -> Pose<'a> {
     Pose {
         floor,
-        x: Decimal(mode.at.x.to_num()),
-        y: Decimal(mode.at.y.to_num()),
-        heading_deg: Decimal(f64::from(mode.heading.to_microdegrees()) / 1e6),
-        score: Decimal(mode.score.to_num()),
+        x: Decimal(scored.at.x.to_num()),
+        y: Decimal(scored.at.y.to_num()),
+        heading_deg: Decimal(f64::from(scored.heading.to_microdegrees()) / 1e6),
+        score: Decimal(scored.score.to_num()),
     }
 }
 

@@ -1,4 +1,4 @@
-//! The pose of a descriptor that is cast from a plan: the paper's matching.
+//! The pose of a query that is cast from a plan: the paper's matching.
 
 use crate::cli::exit::Outcome;
 use crate::cli::json::JsonOption;
@@ -93,7 +93,7 @@ struct Output<'a> {
     x: Decimal,
     y: Decimal,
     heading_deg: Decimal,
-    /// Not seen: the query was cast from the plan.
+    /// Always `null`: the query was cast from the plan.
     up_in_cam0: Option<[Decimal; 3]>,
     score: Decimal,
     margin: Decimal,
@@ -128,7 +128,7 @@ impl PlanQuery {
         let answer = localizer.locate(&scan, &self.matching.options());
         clock.stage("search");
         let poses = poses(&answer, &floors);
-        // A score of 0 says nothing: no candidate resembles the query, or the query has no contrast.
+        // A score of 0 carries no information: no candidate resembles the query, or the query has no contrast.
         let Some(best) = poses.first().copied().filter(|best| best.score.0 > 0.0) else {
             json.emit(&serde_json::json!({ "candidates": [] }), "no pose found\n")?;
             return Ok(Outcome::No);

@@ -56,7 +56,7 @@ struct Built {
     seconds: Decimal,
 }
 
-/// The second layer, or why there is none.
+/// The second layer, or why it is missing.
 enum Structure {
     Packed(PackedPlan),
     None(String),
@@ -127,7 +127,7 @@ impl Structure {
     }
 }
 
-/// What a file name leaves of a floor's name.
+/// A floor name from a file name.
 fn default_name(plan: &Path) -> String {
     let stem = plan.file_stem().unwrap_or_default().to_string_lossy().replace(char::is_control, "");
     let name = &stem[..stem.floor_char_boundary(MAX_NAME_BYTES)];

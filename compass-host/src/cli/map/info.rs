@@ -1,4 +1,4 @@
-//! `compass map info`: what is in a site file.
+//! `compass map info`: prints the contents of a site file.
 
 use crate::cli::exit::Outcome;
 use crate::cli::json::JsonOption;
@@ -18,7 +18,7 @@ pub(in crate::cli) struct Info {
     json: JsonOption,
 }
 
-/// The first floor's facts, the whole file's bytes, and all floors.
+/// Facts of the first floor, bytes of the whole file, and all floors.
 #[derive(Debug, Serialize)]
 struct Described<'a> {
     #[serde(flatten)]
@@ -29,7 +29,7 @@ struct Described<'a> {
 
 #[derive(Debug, Serialize)]
 struct DescribedFloor<'a> {
-    /// A plain site map has none.
+    /// The floor's name; a plain site map has none.
     name: Option<&'a str>,
     #[serde(flatten)]
     facts: Facts,
@@ -37,7 +37,7 @@ struct DescribedFloor<'a> {
     plan_bytes: Vec<usize>,
 }
 
-/// What a site map says.
+/// Facts of a site map.
 #[derive(Debug, Clone, Serialize)]
 struct Facts {
     candidates: usize,

@@ -4,7 +4,7 @@ use super::metadata::Topic;
 use crate::calibration::Calibration;
 use crate::dataset::topics::Topics;
 
-/// What a topic is to us.
+/// The role of a topic.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Role {
     /// The images of cam0 or cam1.
@@ -13,8 +13,8 @@ pub(super) enum Role {
     Imu,
 }
 
-/// The topics to read: those asked for; else those that the calibration names; else, in the order of their names, the
-/// only ones there are. Says what is wrong otherwise.
+/// The topics to read: the requested ones; else those that the calibration names; else, sorted by name, the only
+/// candidates. Otherwise an error message.
 pub(super) fn choose(
     topics: &[Topic],
     asked: Option<&Topics>,
@@ -40,7 +40,7 @@ fn cameras(topics: &[Topic], calibration: &Calibration) -> Result<Vec<(Role, Top
         calibrated.iter().filter_map(|number| Some((Role::Camera(*number), told(number)?))).collect();
     let mut images: Vec<&Topic> = topics.iter().filter(|topic| topic.is_image()).collect();
     images.sort_by(|a, b| a.name.cmp(&b.name));
-    // A camera that the recording lacks is none of the topics that are left.
+    // If every image topic is assigned by name, a camera without a topic is absent from the recording.
     if found.len() == calibrated.len() || !found.is_empty() && found.len() == images.len() {
         return Ok(found.into_iter().map(|(role, topic)| (role, topic.clone())).collect());
     }
@@ -67,7 +67,7 @@ fn imu(topics: &[Topic], name: Option<&str>) -> Result<Option<Topic>, String> {
     }
 }
 
-/// A topic of this name; of a camera, or what `image_transport` publishes beside it.
+/// Whether a topic has this name or, for a camera, is one that `image_transport` publishes beside it.
 fn find<'a>(topics: &'a [Topic], role: Role, name: &str) -> Option<&'a Topic> {
     let exact = topics.iter().find(|topic| topic.name == name && topic.serves(role));
     let beside =
@@ -118,7 +118,7 @@ mod tests {
         names.iter().map(|name| Topic { name: (*name).into(), kind: kind(name).into(), count: 1 }).collect()
     }
 
-    /// Two cameras; what they are called, if they are.
+    /// A calibration of two cameras, with these topic names if any.
     fn calibration(cameras: [Option<&str>; 2]) -> Calibration {
         let mut calibration = Calibration::nominal();
         for (camera, name) in calibration.cameras.iter_mut().zip(cameras) {

@@ -11,16 +11,16 @@ use std::io::{Read, Seek, SeekFrom};
 use std::ops::ControlFlow::{self, Break, Continue};
 use std::path::Path;
 
-/// Most bytes to read at a time: the length of a damaged record may be anything.
+/// Largest read at a time, bytes: the length field of a damaged record may have any value.
 const READ_BYTES: usize = 1 << 20;
-/// Longest record of a chunk: its buffer is made before it is unpacked.
+/// Longest record of a chunk, bytes: its buffer is allocated before it is decompressed.
 const RECORD_BYTES: usize = 1 << 28;
-/// Bytes before a record: what it is, and its length.
+/// Bytes of a record's header: opcode and length.
 const HEAD: usize = 9;
 /// Bytes before the first record.
 const MAGIC: u64 = 8;
 
-/// Hands the messages of these topics to `take`; says what is wrong with the file or what `take` found wrong.
+/// Passes the messages of these topics to `take`; the error is about the file, or what `take` returned.
 pub(super) fn visit(path: &Path, topics: &[String], take: &mut Take<'_>) -> Result<(), String> {
     let file = File::open(path).map_err(|error| error.to_string())?;
     let mut channels = Channels { topics, numbers: HashMap::new() };
@@ -31,7 +31,7 @@ pub(super) fn visit(path: &Path, topics: &[String], take: &mut Take<'_>) -> Resu
         offset += (HEAD + data.len()) as u64;
         match opcode {
             op::CHUNK => {
-                // Unpacked by the reader of a file that has this record alone.
+                // Decompressed by a reader of a file that has this record alone.
                 let head = [&[opcode][..], &(data.len() as u64).to_le_bytes()].concat();
                 let mut before = 0;
                 records(head.chain(data), part(), |opcode, data| {
@@ -41,7 +41,7 @@ pub(super) fn visit(path: &Path, topics: &[String], take: &mut Take<'_>) -> Resu
                 })
                 .map(|_: Option<()>| Continue(()))
             }
-            // What follows are tables to find messages by.
+            // The rest of the file is the summary with its indices.
             op::DATA_END => Ok(Break(())),
             _ => channels.take(opcode, data, Place::Record { offset: here, before: 0 }, take).map(Continue),
         }
@@ -49,7 +49,7 @@ pub(super) fn visit(path: &Path, topics: &[String], take: &mut Take<'_>) -> Resu
     ended.ok_or_else(|| problem(&McapError::UnexpectedEof))
 }
 
-/// Fetches a message of the record or chunk that begins at `offset`: the one that has so many `before` it there.
+/// Fetches a message of the record or chunk that begins at `offset`: the one with `before` messages before it there.
 pub(super) fn fetch(path: &Path, offset: u64, mut before: u32) -> Result<Vec<u8>, String> {
     let mut file = File::open(path).map_err(|error| error.to_string())?;
     file.seek(SeekFrom::Start(offset)).map_err(|error| error.to_string())?;
@@ -64,7 +64,7 @@ pub(super) fn fetch(path: &Path, offset: u64, mut before: u32) -> Result<Vec<u8>
     found.ok_or_else(|| "the message is gone".to_owned())
 }
 
-/// Which topics the channels of a file are.
+/// The channels of a file by topic.
 struct Channels<'a> {
     topics: &'a [String],
     numbers: HashMap<u16, usize>,
@@ -90,7 +90,7 @@ impl Channels<'_> {
     }
 }
 
-/// The channel of a message, and what was sent.
+/// The channel and the payload of a message.
 fn message(record: &[u8]) -> Result<(u16, &[u8]), String> {
     match parse(op::MESSAGE, record)? {
         Record::Message { header, data: Cow::Borrowed(data) } => Ok((header.channel_id, data)),
@@ -102,7 +102,7 @@ fn parse(opcode: u8, data: &[u8]) -> Result<Record<'_>, String> {
     mcap::parse_record(opcode, data).map_err(|error| problem(&error))
 }
 
-/// For what is cut from a file.
+/// The error for a truncated file.
 fn part() -> LinearReaderOptions {
     LinearReaderOptions::default()
         .with_skip_start_magic(true)
@@ -111,7 +111,7 @@ fn part() -> LinearReaderOptions {
         .with_record_length_limit(RECORD_BYTES)
 }
 
-/// Hands records to `take` until it breaks off; `None` if it never does.
+/// Passes records to `take` until it breaks; `None` if it never does.
 fn records<B>(
     mut input: impl Read,
     options: LinearReaderOptions,

@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use serde::Deserialize;
 use std::io::{ErrorKind, Read};
 
-/// Bytes up to the end of the stamp, with which all our messages begin.
+/// Bytes up to the end of the stamp, with which all supported messages begin.
 const STAMP_END: usize = 12;
 
 #[derive(Deserialize)]
@@ -50,7 +50,7 @@ struct Imu {
     linear_acceleration: [f64; 3],
 }
 
-/// The time of a message, which need not be read to its end, in nanoseconds.
+/// The time of a message in nanoseconds; needs only the first bytes.
 pub(super) fn stamp(mut message: impl Read) -> Result<u64, String> {
     let mut head = [0; STAMP_END];
     message.read_exact(&mut head).map_err(|error| match error.kind() {
@@ -60,7 +60,7 @@ pub(super) fn stamp(mut message: impl Read) -> Result<u64, String> {
     nanoseconds(&decode(&head)?)
 }
 
-/// A reading of the accelerometer.
+/// An accelerometer reading.
 pub(super) fn imu(mut message: impl Read) -> Result<Reading, String> {
     let mut bytes = Vec::new();
     message.read_to_end(&mut bytes).map_err(|error| error.to_string())?;
@@ -73,7 +73,7 @@ pub(super) fn imu(mut message: impl Read) -> Result<Reading, String> {
     Ok(Reading { timestamp_ns, acceleration })
 }
 
-/// The pixels of an image; transparency is left out of account.
+/// The pixels of an image; alpha is ignored.
 pub(super) fn image(message: &[u8]) -> Result<Pixels, String> {
     let Image { height, width, encoding, step, data, .. } = decode(message)?;
     image_file::check_size(width, height).map_err(|error| error.to_string())?;
@@ -91,7 +91,7 @@ pub(super) fn image(message: &[u8]) -> Result<Pixels, String> {
     if step < row {
         return Err(format!("a step of {step} bytes is too short for {width} pixels in {encoding}"));
     }
-    // The last row may do without its padding.
+    // The last row may lack its padding.
     if data.len() < step * (height as usize - 1) + row {
         return Err(format!("{} bytes of data are too few for {height} rows of {step} bytes", data.len()));
     }
@@ -105,13 +105,13 @@ pub(super) fn image(message: &[u8]) -> Result<Pixels, String> {
     Ok(Pixels { width, height, samples })
 }
 
-/// The pixels of an image in a compressed one, whatever its `format` says.
+/// The pixels of a compressed image; the content decides, not its `format` field.
 pub(super) fn compressed_image(message: &[u8]) -> Result<Pixels, String> {
     let CompressedImage { data, .. } = decode(message)?;
     image_file::decode(data).map_err(|error| error.to_string())
 }
 
-/// A message after its encapsulation: two bytes for the encoding, two without meaning.
+/// A message without its encapsulation header: two bytes for the encoding, two unused.
 fn decode<'a, T: Deserialize<'a>>(message: &'a [u8]) -> Result<T, String> {
     let Some((&[kind, order, _, _], body)) = message.split_first_chunk() else {
         return Err("a message is too short for any".to_owned());
@@ -140,7 +140,7 @@ mod tests {
         [vec![0, 1, 0, 0], cdr_encoding::to_vec::<T, LittleEndian>(body).unwrap()].concat()
     }
 
-    /// Two rows of two pixels, each row with a byte behind it.
+    /// Two rows of two pixels, each row followed by a padding byte.
     fn picture(encoding: &str, step: u32, data: &[u8]) -> Vec<u8> {
         let head: Head<'_> = ((5, 7), "cam0");
         message(&(head, 2_u32, 2_u32, encoding, 1_u8, step, data))

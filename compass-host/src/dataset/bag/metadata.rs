@@ -1,4 +1,4 @@
-//! `metadata.yaml`: what a bag says about itself.
+//! `metadata.yaml`: a bag's description of itself.
 
 use crate::image_file::one_line;
 use serde::Deserialize;
@@ -8,17 +8,17 @@ const IMAGE: &str = "sensor_msgs/msg/Image";
 const COMPRESSED_IMAGE: &str = "sensor_msgs/msg/CompressedImage";
 const IMU: &str = "sensor_msgs/msg/Imu";
 
-/// From this version on files are named relative to the bag's folder, before relative to the one above.
+/// From this version on file names are relative to the bag's folder, before to its parent.
 const BESIDE_METADATA: u32 = 4;
 
-/// What the files are.
+/// The storage format of the files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Storage {
     Sqlite,
     Mcap,
 }
 
-/// What rosbag2 itself compressed, with zstd; chunks of MCAP are compressed by the storage.
+/// Compression by rosbag2 itself, with zstd; chunks of MCAP are compressed by the storage.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Compression {
     None,
@@ -32,7 +32,7 @@ pub(super) struct Topic {
     pub(super) name: String,
     /// Such as `sensor_msgs/msg/Image`.
     pub(super) kind: String,
-    /// How many messages there are said to be.
+    /// Number of messages according to the metadata.
     pub(super) count: usize,
 }
 
@@ -50,18 +50,18 @@ impl Topic {
     }
 }
 
-/// What a bag consists of.
+/// The contents of a bag.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) struct Metadata {
     pub(super) storage: Storage,
     pub(super) compression: Compression,
-    /// Relative to the bag's folder, in their order.
+    /// Paths relative to the bag's folder, in order.
     pub(super) files: Vec<PathBuf>,
     pub(super) topics: Vec<Topic>,
 }
 
 impl Metadata {
-    /// Reads the file; says what is wrong with it.
+    /// Reads the file; the error says what is wrong with it.
     pub(super) fn read(path: &Path) -> Result<Self, String> {
         Self::parse(&std::fs::read_to_string(path).map_err(|error| format!("cannot be read: {error}"))?)
     }

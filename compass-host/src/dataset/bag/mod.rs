@@ -1,8 +1,8 @@
 //! ROS 2 bags: a folder of `metadata.yaml` and one file or several, `SQLite` (`.db3`) or MCAP, each as a whole, its
 //! messages or its chunks compressed or not.
 //!
-//! A bag is gone through once for the stamps of the frames and the readings of the IMU; a frame is fetched again when
-//! it is needed. Times are those of the messages' headers, not when they were recorded.
+//! A bag is scanned once for the stamps of the frames and the readings of the IMU; a frame is fetched again on demand.
+//! Times are those of the messages' headers, not of their recording.
 
 mod choice;
 mod mcap_file;
@@ -28,17 +28,17 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use tempfile::TempPath;
 
-/// What was taken from a bag.
+/// The contents read from a bag.
 pub(super) struct Contents {
     /// The frames of cam0 and cam1.
     pub(super) frames: [List<Message>; 2],
-    /// The accelerometer, where there is one.
+    /// The accelerometer, if there is one.
     pub(super) imu: Option<Readings>,
     /// The topics that were read.
     pub(super) topics: Topics,
 }
 
-/// Reads a bag's stamps and readings: the bag in `dir` that the file `metadata` describes.
+/// Reads the stamps and readings of the bag in `dir` that the file `metadata` describes.
 pub(super) fn read(
     dir: &Path,
     metadata: &Path,
@@ -63,7 +63,7 @@ pub(super) fn read(
 pub struct Message {
     bag: Arc<Bag>,
     topic: Arc<Topic>,
-    /// Number of the file.
+    /// Index of the file.
     file: usize,
     place: Place,
     stamp_ns: u64,
@@ -113,11 +113,11 @@ struct Bag {
 
 #[derive(Debug)]
 struct BagFile {
-    /// As it lies in the bag.
+    /// The path as stored in the bag.
     name: PathBuf,
-    /// Its length there.
+    /// Its length there, bytes.
     bytes: u64,
-    /// What was in it, if it is compressed as a whole; gone with the bag.
+    /// The decompressed copy of a file that is compressed as a whole; deleted with the bag.
     unpacked: Option<TempPath>,
 }
 
@@ -147,14 +147,14 @@ impl Bag {
     }
 }
 
-/// Unpacks a file into a temporary one: storages are not read from front to back.
+/// Decompresses a file into a temporary one: storages need random access.
 fn unpack(packed: &Path) -> std::io::Result<TempPath> {
     let mut unpacked = tempfile::NamedTempFile::new()?;
     zstd::stream::copy_decode(File::open(packed)?, &mut unpacked)?;
     Ok(unpacked.into_temp_path())
 }
 
-/// What is gathered while a bag is gone through.
+/// The results of scanning a bag.
 struct Scan {
     bag: Arc<Bag>,
     topics: Vec<(Role, Arc<Topic>)>,

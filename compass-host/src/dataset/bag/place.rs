@@ -1,16 +1,16 @@
-//! Where in a file messages are, and what takes them.
+//! Locations of messages in a file, and the type of their receiver.
 
 use std::io::Read;
 
-/// Where in a file a message is.
+/// The location of a message in a file.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Place {
     /// The `id` of its row.
     Row(i64),
-    /// The byte where its record or chunk begins, and how many messages of the chunk come before it.
+    /// The byte at which its record or chunk begins, and the number of messages in the chunk before it.
     Record { offset: u64, before: u32 },
 }
 
-/// What takes the messages of a file: the number of the topic, the place and the message, of which it need not read
-/// all. Says what is wrong with one.
+/// Receives the messages of a file: the index of the topic, the place and the message, which it may read in part.
+/// Returns an error message for an invalid one.
 pub(super) type Take<'a> = dyn FnMut(usize, Place, &mut dyn Read) -> Result<(), String> + 'a;

@@ -7,7 +7,7 @@ use std::collections::HashMap;
 use std::io::Read;
 use std::path::Path;
 
-/// Hands the messages of these topics to `take`; says what is wrong with the file or what `take` found wrong.
+/// Passes the messages of these topics to `take`; the error is about the file, or what `take` returned.
 pub(super) fn visit(path: &Path, topics: &[String], take: &mut Take<'_>) -> Result<(), String> {
     let database = open(path).map_err(problem)?;
     let wanted = numbers(&database, topics).map_err(problem)?;
@@ -39,7 +39,7 @@ fn open(path: &Path) -> Result<Connection> {
     Connection::open_with_flags(path, OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX)
 }
 
-/// The numbers that the file gives our topics; a split bag may write a topic twice.
+/// The ids of our topics in the file; a split bag may list a topic twice.
 fn numbers(database: &Connection, topics: &[String]) -> Result<HashMap<i64, usize>> {
     let mut statement = database.prepare("SELECT id, name FROM topics")?;
     let rows = statement.query_map([], |row| Ok((row.get::<_, i64>(0)?, row.get::<_, String>(1)?)))?;

@@ -8,7 +8,7 @@ pub(super) type Pixel = [i32; 2];
 /// Blur weights in 1/256: five taps of a Gaussian of sigma 1 pixel, rounded so that they sum to 256.
 const BLUR: [u32; 5] = [14, 62, 104, 62, 14];
 
-/// The way an edge runs, as an index into a [`Pixel`] of its main coordinate.
+/// The dominant direction of an edge, as an index into a [`Pixel`] of its main coordinate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Axis {
     /// Along x.
@@ -67,7 +67,7 @@ impl Field {
         [self.width, self.height]
     }
 
-    /// Where a pixel lies in the buffers; `None` outside the image.
+    /// The index of a pixel in the buffers; `None` outside the image.
     pub(super) fn index(&self, [x, y]: Pixel) -> Option<usize> {
         let inside = (0..self.width).contains(&x) && (0..self.height).contains(&y);
         inside.then(|| y as usize * self.width as usize + x as usize)
@@ -78,7 +78,7 @@ impl Field {
         self.index(pixel).map_or(0, |i| self.magnitude[i])
     }
 
-    /// Raw gradient in gray levels times 8; that of the nearest pixel outside the image.
+    /// Raw gradient in gray levels times 8; outside the image that of the nearest pixel.
     pub(super) fn gradient(&self, [x, y]: Pixel) -> [f64; 2] {
         let nearest = [x.clamp(0, self.width - 1), y.clamp(0, self.height - 1)];
         self.index(nearest).map_or([0.0; 2], |i| [f64::from(self.dx[i]), f64::from(self.dy[i])])
@@ -99,9 +99,9 @@ impl Field {
         if dx.abs() >= dy.abs() { Axis::Vertical } else { Axis::Horizontal }
     }
 
-    /// Pixels that stand out across their edge, in drawing order.
+    /// Local maxima across their edge, in drawing order.
     ///
-    /// Without any, the threshold is halved down to 0: a faint image is still drawn.
+    /// Without any, the threshold is halved repeatedly down to 0, so that faint images are drawn as well.
     pub(super) fn anchors(&self, options: &Options) -> Vec<Pixel> {
         let mut threshold = options.anchor_threshold.max(0);
         loop {
@@ -116,7 +116,7 @@ impl Field {
     fn anchors_above(&self, threshold: i32, interval: usize) -> Vec<Pixel> {
         let interval = interval.max(1);
         let mut anchors = Vec::new();
-        // Column after column: the order decides which of two crossing edges is drawn through.
+        // Column by column: the order decides which of two crossing edges is drawn through.
         for x in (1..self.width - 1).step_by(interval) {
             for y in (1..self.height - 1).step_by(interval) {
                 let (centre, axis) = (self.magnitude([x, y]), self.axis([x, y]));

@@ -1,11 +1,11 @@
-//! Bridging gaps: does the edge go on beyond the end of a segment?
+//! Gap bridging: whether the edge continues beyond the end of a segment.
 
 use super::gradient::{Axis, Field, Pixel};
 use super::line::Line;
 use super::options::Options;
 use super::traced::{End, Traced, step};
 
-/// Unit vector that leads out of a segment at one end.
+/// Unit vector that points out of a segment at one end.
 pub(super) fn heading(line: &Line, end: End) -> [f64; 2] {
     match end {
         End::Head => line.direction(),
@@ -16,7 +16,7 @@ pub(super) fn heading(line: &Line, end: End) -> [f64; 2] {
 /// Pixels from the end over a gap and as far again along the edge behind it; `None` when there is no edge.
 pub(super) fn bridge(field: &Field, options: &Options, segment: &Traced, end: End) -> Option<Vec<Pixel>> {
     let from = segment.ends[end as usize];
-    // Pixels of failed attempts stay: a longer jump is judged with what lies before it.
+    // Pixels of failed attempts are kept: a longer jump is judged together with those before it.
     let mut walked = Vec::new();
     for &length in &options.jump_lengths {
         if segment.fit.count <= i64::from(length) {
@@ -53,7 +53,7 @@ fn landing(field: &Field, line: &Line, from: Pixel, end: End, length: i32) -> Op
     (field.magnitude(best) > 0).then_some(best)
 }
 
-/// Walks as many pixels as were jumped, along the segment's axis only.
+/// Walks as many pixels as were jumped, only along the segment's axis.
 fn walk_on(
     field: &Field,
     options: &Options,
@@ -73,7 +73,7 @@ fn walk_on(
     true
 }
 
-/// Whether the structure tensor about the pixels shows one direction, across the line.
+/// Whether the structure tensor around the pixels has one dominant direction, across the line.
 fn is_edge(field: &Field, options: &Options, segment: &Traced, pixels: &[Pixel]) -> bool {
     let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
     for pixel in pixels {
@@ -107,7 +107,7 @@ fn straight_pixels(a: Pixel, b: Pixel) -> Vec<Pixel> {
     for _ in 0..length {
         pixel[m] += (b[m] - a[m]).signum();
         error += rise;
-        // Half a pixel off already moves: this decides ties.
+        // A deviation of exactly half a pixel steps across: this decides ties.
         if 2 * error >= length {
             pixel[c] += (b[c] - a[c]).signum();
             error -= length;

@@ -34,7 +34,7 @@ impl Line {
 }
 
 /// Exact sums over pixels for a regression of the cross coordinate on the main one.
-///
+/// Ordinary, not total least squares: only the cross coordinate is assumed to have errors.
 /// Ordinary, not total least squares: only the cross coordinate is taken to err.
 #[derive(Debug, Clone)]
 pub(super) struct Fit {
@@ -58,12 +58,12 @@ impl Fit {
         fit
     }
 
-    /// One pixel more.
+    /// Adds a pixel.
     pub(super) fn add(&mut self, pixel: Pixel) {
         self.change(pixel, 1);
     }
 
-    /// One pixel less.
+    /// Removes a pixel.
     pub(super) fn remove(&mut self, pixel: Pixel) {
         self.change(pixel, -1);
     }
@@ -77,7 +77,7 @@ impl Fit {
         self.main_main += sign * main * main;
     }
 
-    /// The line, directed from `tail` to `head`; `None` while the pixels do not determine one.
+    /// The line, directed from `tail` to `head`; `None` while the pixels are degenerate.
     pub(super) fn line(&self, tail: Pixel, head: Pixel) -> Option<Line> {
         let spread = self.count * self.main_main - self.main * self.main;
         if self.count < 2 || spread <= 0 {

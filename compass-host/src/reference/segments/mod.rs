@@ -1,9 +1,9 @@
-//! Line segments by edge drawing (the paper's detector: ELSED, Suarez, Buenaposada and Baumela,
-//! Pattern Recognition 2022), with the habits of its published program that change its output.
+//! Line segments by edge drawing (the paper's detector: ELSED, Suarez, Buenaposada and Baumela, Pattern Recognition
+//! 2022), including the quirks of its published program that affect the output.
 //!
 //! An image is blurred and differentiated; walks along the edges start from anchors; a window of a walk
 //! that is straight becomes a segment, which grows at its head, then at its tail, and jumps over gaps;
-//! what a walk left behind is drawn again; last, gradients that disagree with a segment vote it out.
+//! walk left over is drawn again; last, segments that too many gradients disagree with are rejected.
 //!
 //! Coordinates are pixels, pixel centres at integers, y down.
 
@@ -26,7 +26,7 @@ use walk::Drawing;
 pub fn detect(gray: &[u8], width: usize, height: usize, options: &Options) -> Vec<Segment> {
     let Some(field) = Field::new(gray, width, height, options.gradient_threshold) else { return Vec::new() };
     let drawing = Drawing::new(&field, options);
-    // Validated at the end: a later segment may have taken pixels over.
+    // Validated at the end: a later segment may have claimed pixels.
     drawing
         .segments
         .iter()

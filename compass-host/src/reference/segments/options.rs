@@ -1,13 +1,13 @@
-//! What the detector is asked for, and what it answers with.
+//! Parameters and results of the detector.
 
 /// A straight edge.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Segment {
     /// One end in pixels.
     pub start: [f64; 2],
-    /// The other end in pixels; the order says nothing about which side is bright.
+    /// The other end in pixels; the order does not encode which side is bright.
     pub end: [f64; 2],
-    /// Pixels whose gradient agrees with the segment; its length in pixels where none were asked.
+    /// Pixels whose gradient agrees with the segment; without validation its length in pixels.
     pub score: f64,
 }
 
@@ -16,21 +16,21 @@ pub struct Segment {
 pub struct Options {
     /// Least magnitude `|dx| + |dy|` of an edge, in gray levels times 8.
     pub gradient_threshold: i32,
-    /// By how much an anchor exceeds its neighbours across the edge, in the same unit.
+    /// The excess of an anchor over its neighbours across the edge, in the same unit.
     pub anchor_threshold: i32,
-    /// Every how many pixels anchors are looked for.
+    /// Stride of the anchor search, in pixels.
     pub scan_interval: usize,
-    /// Pixels in the window that is fitted; more than a walk can start with, `outlier_limit` + 3.
+    /// Pixels in the fitted window; more than a walk can start with, `outlier_limit` + 3.
     pub minimum_length: usize,
     /// Mean squared distance from the line below which a window is straight, in pixels squared.
     pub fit_error: f64,
     /// Distance from the line below which a pixel belongs to it, in pixels.
     pub inlier_distance: f64,
-    /// Consecutive outliers that a walk survives.
+    /// Consecutive outliers after which a walk still continues.
     pub outlier_limit: usize,
     /// Pixels by which the window slides.
     pub window_slide: usize,
-    /// Gaps to bridge, in pixels, in the order tried; none to never jump.
+    /// Gaps to bridge, in pixels, in the order tried; empty to never jump.
     pub jump_lengths: Vec<i32>,
     /// Ratio of the structure tensor's eigenvalues above which a jump lands on an edge.
     pub eigenvalue_ratio: f64,

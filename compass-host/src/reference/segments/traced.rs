@@ -1,4 +1,4 @@
-//! A segment under way, and the step of a walk along its edge.
+//! A segment in progress, and the step of a walk along its edge.
 
 use super::gradient::{Axis, Field, Pixel};
 use super::line::{Fit, Line};
@@ -13,7 +13,7 @@ pub(super) enum End {
     Head,
 }
 
-/// A segment while and after it is drawn.
+/// A segment during and after drawing.
 #[derive(Debug, Clone)]
 pub(super) struct Traced {
     pub(super) fit: Fit,
@@ -30,7 +30,7 @@ pub(super) struct Traced {
 }
 
 impl Traced {
-    /// The line is only as good as the sums allow: a degenerate update keeps the last one.
+    /// Fits the line to the sums; a degenerate fit keeps the previous line.
     fn refit(&mut self) {
         self.line = self.fit.line(self.ends[0], self.ends[1]).unwrap_or(self.line);
     }
@@ -55,7 +55,7 @@ impl Traced {
 
 /// The next pixel along an edge; `None` at the image border.
 ///
-/// An edge met sideways is entered diagonally: this is how a walk turns where the axis changes.
+/// An edge crossing the axis is entered diagonally: this is how a walk turns where the axis changes.
 pub(super) fn step(field: &Field, at: Pixel, previous: Pixel, axis: Axis) -> Option<Pixel> {
     let arrived_along = at[axis.main()] != previous[axis.main()];
     let (m, c) = if arrived_along { (axis.main(), axis.cross()) } else { (axis.cross(), axis.main()) };

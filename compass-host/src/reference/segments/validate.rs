@@ -1,4 +1,4 @@
-//! Keeps the segments along which the gradient stands across the line.
+//! Keeps the segments whose pixels have gradients across the line.
 
 use super::gradient::Field;
 use super::jump::undirected;
@@ -6,7 +6,7 @@ use super::options::{Options, Segment};
 use super::traced::Traced;
 use super::walk::{Drawing, Label};
 
-/// Share of a segment near each end that is not asked, and the most pixels this may be.
+/// Share of a segment near each end that is not checked, and the maximum of that in pixels.
 const END_SHARE: f64 = 0.1;
 const END_MOST: f64 = 5.0;
 

@@ -1,4 +1,4 @@
-//! Drawing: walks along edges and grows straight segments while walking.
+//! Drawing: follows edges and grows straight segments while walking.
 
 use super::gradient::{Axis, Field, Pixel};
 use super::jump;
@@ -6,12 +6,12 @@ use super::line::{Fit, mean_square};
 use super::options::Options;
 use super::traced::{End, Traced, step};
 
-/// What became of a pixel.
+/// State of a pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Label {
     /// Not visited, or released.
     None,
-    /// Drawn, on no line yet.
+    /// Drawn, but on no line yet.
     Edge,
     /// Start of a drawing.
     Anchor,
@@ -23,7 +23,7 @@ pub(super) enum Label {
     Junction,
 }
 
-/// A walk still to be done.
+/// A pending walk.
 #[derive(Debug)]
 struct Branch {
     start: Pixel,
@@ -33,20 +33,20 @@ struct Branch {
     seeds: Vec<Pixel>,
 }
 
-/// How a walk ended.
+/// The outcome of a walk.
 #[derive(Debug)]
 struct Walk {
     at: Pixel,
     previous: Pixel,
-    /// Edge axis where it last went on from: a pixel that ended it has no say.
+    /// Edge axis at the last pixel from which it continued: the pixel that ended the walk has no influence.
     axis: Axis,
-    /// It ran into something drawn before.
+    /// It ran into an earlier drawing.
     hit: bool,
     outliers: Vec<Pixel>,
     end: End,
 }
 
-/// All that is drawn so far.
+/// The state of the whole drawing.
 #[derive(Debug)]
 pub(super) struct Drawing<'a> {
     field: &'a Field,
@@ -76,7 +76,7 @@ impl<'a> Drawing<'a> {
         drawing
     }
 
-    /// Label of a pixel; outside the image none.
+    /// State of a pixel; `None` outside the image.
     pub(super) fn label(&self, pixel: Pixel) -> Label {
         self.field.index(pixel).map_or(Label::None, |i| self.labels[i])
     }
@@ -95,7 +95,7 @@ impl<'a> Drawing<'a> {
         self.draw_tree(anchor, axis.unit(false), seeds);
     }
 
-    /// What the way back from an anchor starts with: the first pixels of the way out, farthest first.
+    /// The start of the way back from an anchor: the first pixels of the way out, farthest first.
     ///
     /// They end at the first one that a segment owns, so a segment close to the anchor leaves none.
     fn seeds_back(&self, anchor: Pixel, start: usize) -> Vec<Pixel> {
@@ -115,7 +115,7 @@ impl<'a> Drawing<'a> {
             if let Some(segment) = self.current.take() {
                 self.after_walk(segment, walk, anchor);
             }
-            // Every round lengthens the list, so this bound ends any cycle of mutual releases.
+            // Every iteration lengthens the list, so this bound ends any cycle of mutual releases.
             if self.pixels.len() / 16 > self.labels.len() {
                 self.branches.clear();
             }
@@ -199,7 +199,7 @@ impl<'a> Drawing<'a> {
             Some(Traced { fit, line, ends: [tail, head], inner, extended, tail_grew: false, pixels });
     }
 
-    /// Decides where drawing goes on after a walk that left a segment.
+    /// Decides where drawing continues after a walk that left a segment.
     fn after_walk(&mut self, mut segment: Traced, mut walk: Walk, anchor: Pixel) {
         const TAIL: usize = End::Tail as usize;
         const HEAD: usize = End::Head as usize;
@@ -227,16 +227,16 @@ impl<'a> Drawing<'a> {
         }
     }
 
-    /// Goes on from a pixel along the line's main axis, away from the segment's other end.
+    /// Continues from a pixel along the line's main axis, away from the segment's other end.
     fn branch(&mut self, segment: &Traced, start: Pixel, end: End) {
         let heading = jump::heading(&segment.line, end);
-        // The line's axis as it now is: near 45 degrees the fit may still hold the other one.
+        // The axis of the current line: near 45 degrees the fit may still have the other one.
         let axis = Axis::of_extent(heading[0], heading[1]);
         let direction = axis.unit(heading[axis.main()] > 0.0);
         self.branches.push(Branch { start, direction, end, seeds: Vec::new() });
     }
 
-    /// Takes the last pixel back when outliers followed it: it often belongs to the curve they begin.
+    /// Removes the last pixel when outliers followed it: it often belongs to the curve that they begin.
     ///
     /// It then leads their list, so three outliers before a dead end count as four.
     fn undo_last(&mut self, segment: &mut Traced, walk: &mut Walk, anchor: Pixel) {
@@ -251,20 +251,20 @@ impl<'a> Drawing<'a> {
         segment.extended[tail] |= walk.end == End::Tail && segment.ends[tail] == anchor;
     }
 
-    /// Releases outliers, to look for another line in them once the present segment is finished.
+    /// Releases outliers, to search for another line in them once the present segment is finished.
     fn redraw_later(&mut self, walk: &Walk) {
         for &pixel in &walk.outliers {
             self.set(pixel, Label::None);
         }
         let main = walk.axis.main();
         let direction = walk.axis.unit(walk.at[main] > walk.previous[main]);
-        // The last of the list, not of the growing end: after a walk at the tail that found nothing
-        // this is the head, far away, and the window slides over it.
+        // The last pixel of the list, not of the growing end: after a walk at the tail that found nothing this is the
+        // head, far away, and the window slides over it.
         let seeds = self.pixels.last().into_iter().chain(&walk.outliers).copied().collect();
         self.branches.push(Branch { start: walk.at, direction, end: End::Head, seeds });
     }
 
-    /// Bridges a gap at one end, if the edge goes on behind it.
+    /// Bridges a gap at one end, if the edge continues behind it.
     fn jump(&mut self, segment: &mut Traced, end: End) -> bool {
         let Some(bridge) = jump::bridge(self.field, self.options, segment, end) else { return false };
         for (i, &pixel) in bridge.iter().enumerate() {

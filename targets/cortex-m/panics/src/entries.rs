@@ -1,5 +1,5 @@
-//! The public entry points of `compass-core`, by module in its reading order. Displaying errors is left out: that is
-//! `core::fmt`'s.
+//! The public entry points of `compass-core`, by module in its reading order. Displaying errors is omitted: that code
+//! is `core::fmt`'s.
 
 use compass_core::base::confidence::Confidence;
 use compass_core::base::ladder;
@@ -249,7 +249,7 @@ pub(crate) static ALL: &[Entry] = &entries![
     recall,
 ];
 
-// What is generic or gives an iterator, for arguments as unknown as those of the rest.
+// Generic functions, and those that return iterators, for arguments as unknown as those of the rest.
 
 fn cast(
     plan: &Plan<'_>,

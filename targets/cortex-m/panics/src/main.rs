@@ -3,8 +3,8 @@
 //! It refers to every public entry point that computes, for arguments of any value, with the profile of the firmware,
 //! and its panic handler calls a function that does not exist. It is never run.
 //!
-//! With the feature `locate` it links all the same; the source files whose names are then in the image are those that
-//! have a panic left. With `plant` there is one.
+//! With the feature `locate` it links nevertheless; the source files named in the image are then those with a
+//! remaining panic. With `plant` there is one.
 #![no_std]
 #![no_main]
 
@@ -13,7 +13,7 @@ mod entries;
 use core::hint::black_box;
 use core::panic::PanicInfo;
 
-/// Where a linker begins to look for what is needed.
+/// The entry point for the linker.
 #[unsafe(no_mangle)]
 extern "C" fn _start() {
     black_box(&entries::ALL);

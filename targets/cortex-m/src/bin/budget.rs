@@ -1,10 +1,10 @@
-//! What the operations of a localization cost on a board, on any map: the figures by which a board is chosen.
+//! The cost of a localization's operations on a board, on any map, to choose a board by.
 //!
-//! Arguments: a site file, whose first floor is taken, or a plain site map and the packed plan it was made from; files
-//! of the host, which are read into external memory.
+//! Arguments: a site file, of which the first floor is used, or a plain site map and the packed plan it was made from.
+//! They are files of the host and are read into external memory.
 //!
-//! Figures are instructions, means over candidates spread over the map; a query is the descriptor of
-//! another candidate's place. `part` lines say where a figure above them comes from.
+//! Figures are instructions, averaged over candidates spread over the map; a query is the descriptor at another
+//! candidate's place. `part` lines break down a figure above them.
 #![no_std]
 #![no_main]
 
@@ -25,20 +25,20 @@ use core::hint::black_box;
 use cortex_m_rt::entry;
 use semihosting::{println, process};
 
-/// Candidates that figures are averaged over.
+/// Number of candidates that figures are averaged over.
 const SAMPLES: usize = 20;
-/// Direction of the scans: no special case of the trigonometry.
+/// Heading of the scans: not a special case of the trigonometry.
 const HEADING: Turn = Turn::from_ratio(741, 3600);
-/// Places of the shortlist, and the pool of its alternatives.
+/// Size of the shortlist, and of the pool of its alternatives.
 const SHORTLIST: usize = 48;
 const POOL: usize = 4 * SHORTLIST;
 
-/// Instructions that an operation may take.
+/// Upper limits of an operation's instructions.
 const SCAN_LIMIT: u64 = 400_000;
 const CORRELATION_LIMIT: u64 = 500_000;
 const RANKING_LIMIT: u64 = 10_000;
 
-/// What the operations work in.
+/// The buffers of the operations.
 struct Workspace {
     board: Board,
     query: Query,
@@ -102,7 +102,7 @@ struct Bench<'a> {
 }
 
 impl Bench<'_> {
-    /// Casting 360 rays.
+    /// Casts 360 rays.
     fn scans(&mut self) {
         let (mut all, mut most) = (Mean::default(), 0);
         for candidate in self.samples() {
@@ -121,7 +121,7 @@ impl Bench<'_> {
         cost
     }
 
-    /// A query from the place of the middle candidate, and making it ready.
+    /// Casts a query at the place of the middle candidate, and prepares it.
     fn query(&mut self) {
         self.scan(self.map.len() / 2);
         let work = &mut *self.work;
@@ -137,7 +137,7 @@ impl Bench<'_> {
         part("load", load);
     }
 
-    /// Scoring one candidate at all headings.
+    /// Scores one candidate at all headings.
     fn correlations(&mut self) {
         let mut whole = Mean::default();
         let mut parts = [Mean::default(); PARTS.len()];
@@ -178,7 +178,7 @@ impl Bench<'_> {
         let fill = counter.count(|| black_box(&mut *descriptor).fill(scan)).1;
         let profile = counter.count(|| black_box(&mut *other).fill(descriptor)).1;
         let all = counter.count(|| query.scores(black_box(other), correlator, scores)).1;
-        // As `Query::scores` calls it: values without their mean.
+        // As called by `Query::scores`: values without their mean.
         let value = |channel: usize, bin: usize| {
             let (values, sums) = (&other.profile().values, other.sums());
             let value = values.get(channel).and_then(|v| v.get(bin)).copied().unwrap_or_default();
@@ -195,7 +195,7 @@ impl Bench<'_> {
         [unpack, fill, profile, all, correlate, transform, back, exact]
     }
 
-    /// Ranking by sketches, and the whole search.
+    /// Ranks by sketches, and runs the whole search.
     fn ranking(&mut self) {
         let work = &mut *self.work;
         let map = self.map;
@@ -211,7 +211,7 @@ impl Bench<'_> {
             .count(|| shortlist(&map, &work.query, None, &mut work.board, &mut work.ranked, &mut work.pool));
         figure("shortlist", search, None);
         part("per_candidate", search / candidates);
-        // What is left is the scoring of the shortlist.
+        // The remainder is the scoring of the shortlist.
         part("per_place", search.saturating_sub(new + all) / u64::from(answer.scored.max(1)));
         println!("best {:?}", answer.best());
     }
@@ -269,14 +269,14 @@ fn part(name: &str, instructions: u64) {
     println!("  part {name} {instructions}");
 }
 
-/// Reads the first floor of the site file that is named by the only argument, or the two files of two.
+/// Reads the first floor of the site file named by the only argument, or the two files named by two.
 fn read_files() -> (SiteMap<'static>, Plan<'static>) {
     let arguments = files::arguments();
     let mut paths = (&arguments).skip(1).flatten();
     let Some(first) = paths.next() else {
         refuse("usage", &"-append \"SITE\" or \"MAP PLAN\": a site file, or a site map and its packed plan")
     };
-    // SAFETY: the only call.
+    // SAFETY: it is called once.
     let (bytes, rest) = files::read(first, unsafe { files::external() });
     let Some(second) = paths.next() else {
         let site = Site::new(bytes).unwrap_or_else(|error| refuse(first, &error));

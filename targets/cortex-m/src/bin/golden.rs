@@ -1,4 +1,4 @@
-//! The golden checksums of `compass-core`, and what each stage costs on the board.
+//! The golden checksums of `compass-core`, and the cost of each stage on the board.
 #![no_std]
 #![no_main]
 
@@ -9,13 +9,13 @@ use compass_golden::{Inputs, POSE_RAM, POSE_STAGES, RAM, Report, Workspace, inpu
 use cortex_m_rt::entry;
 use semihosting::{println, process};
 
-/// Counts each stage, and prints what it took.
+/// Measures each stage, and prints its cost.
 struct Costs {
     counter: Counter,
     start: Option<Reading>,
     instructions: u64,
     stack: usize,
-    /// Most stack of the stages from frames to a pose.
+    /// Deepest stack of the stages from frames to a pose.
     deepest: usize,
 }
 
@@ -43,7 +43,7 @@ impl Report for Costs {
 
 #[entry]
 fn main() -> ! {
-    // Static, and never on its way there on the stack, which is to be that of the stages.
+    // Static and never moved over the stack, whose use is to be that of the stages.
     static mut WORKSPACE: Workspace = Workspace::new();
     let mut costs = Costs { counter: Counter::start(), start: None, instructions: 0, stack: 0, deepest: 0 };
     compass_golden::run(&Inputs::SAMPLE, WORKSPACE, &mut costs);

@@ -1,11 +1,10 @@
-//! From packed frames to a pose, and along a row of them to a track: what a product's firmware does.
+//! From packed frames to a pose, and over several of them to a track, as in a product's firmware.
 //!
-//! Arguments: a site file, then files of `compass pack`, in the order in which they were taken. They are read through
-//! semihosting into external memory and used there in place; a product has the site in flash (`include_bytes!`, or a
-//! slice at the address it was flashed to), and lets its cameras write into RAM. All else is the statics below and the
-//! stack.
+//! Arguments: a site file, then files of `compass pack`, in order of time. They are read through semihosting into
+//! external memory and used there in place; a product has the site in flash (`include_bytes!`, or a slice at the
+//! address it was flashed to), and its cameras write into RAM. All other memory is the statics below and the stack.
 //!
-//! Exit status 0 if all poses are known, 1 if of one the answer is "I don't know", 2 for bad input.
+//! Exit status 0 if all poses are known, 1 if any answer is "I don't know", 2 for bad input.
 #![no_std]
 #![no_main]
 
@@ -21,12 +20,12 @@ use core::iter;
 use cortex_m_rt::entry;
 use semihosting::{println, process};
 
-/// Counts each stage, and prints what it took.
+/// Measures each stage, and prints its cost.
 struct Costs {
     counter: Counter,
     start: Option<Reading>,
     instructions: u64,
-    /// Most of any stage so far.
+    /// Maximum over the stages so far.
     stack: usize,
 }
 
@@ -54,7 +53,7 @@ fn main() -> ! {
     let mut paths = (&arguments).skip(1).flatten();
     let mut next = || paths.next().unwrap_or_else(|| refuse("usage", &"-append \"SITE SHOT...\""));
     let (path, first) = (next(), next());
-    // SAFETY: the only call.
+    // SAFETY: it is called once.
     let (bytes, memory) = files::read(path, unsafe { files::external() });
     let site = Site::new(bytes).and_then(|site| site.verify().map(|()| site));
     let site = site.unwrap_or_else(|error| refuse(path, &error));
@@ -76,7 +75,7 @@ fn main() -> ! {
     process::exit(i32::from(!known))
 }
 
-/// Whether the pose of what the cameras took is known.
+/// Whether the pose of a pair of frames is known.
 fn localize(shots: &mut Shots, site: &Site<'_>, shot: &Shot<'_>, costs: &mut Costs) -> Result<bool, Error> {
     costs.instructions = 0;
     let located = match shots.locate(site, shot, costs) {

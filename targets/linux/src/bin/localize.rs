@@ -1,4 +1,4 @@
-//! What the firmware of the same name finds, on the host or on (emulated) ARM Linux: `localize SITE SHOT...`.
+//! The results of the firmware of the same name, on the host or on (emulated) ARM Linux: `localize SITE SHOT...`.
 
 use compass_core::locator::Error as LocatorError;
 use compass_core::map::site::Site;
