@@ -9,8 +9,7 @@ use compass_core::descriptor::Descriptor;
 use compass_core::descriptor::matching::Board;
 use compass_core::descriptor::similarity::{Query, Similarity, Weights};
 use compass_core::draw::{self, HitColors};
-use compass_core::map::plan::Plan;
-use compass_core::map::site_map::SiteMap;
+use compass_core::map::site::Site;
 use embedded_graphics::draw_target::DrawTarget;
 use embedded_graphics::framebuffer::{Framebuffer, buffer_size};
 use embedded_graphics::geometry::{OriginDimensions as _, Point, Size};
@@ -47,8 +46,10 @@ impl Known {
         let file = |name: &str| {
             std::fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join("vectors").join(name)).unwrap()
         };
-        let (plan, map) = (file("sample_plan.bin"), file("sample_map.bin"));
-        let (plan, map) = (Plan::new(&plan).unwrap(), SiteMap::new(&map).unwrap());
+        let bytes = file("sample.site");
+        let site = Site::new(&bytes).unwrap();
+        let floor = site.floor(0).unwrap();
+        let (plan, map) = (floor.plan(0).unwrap(), *floor.map());
         let mut scan = Scan::OPEN;
         plan.scan(AT, HEADING, &mut scan).unwrap();
         let descriptor = Descriptor::from(&scan);

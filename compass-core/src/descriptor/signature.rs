@@ -31,6 +31,9 @@ pub struct Signature(pub [u8; SIGNATURE_BYTES]);
 impl Signature {
     /// The signature of a scan.
     ///
+    /// # Formats
+    /// A byte each: counts of bins halved, runs doubled and clamped, ranges in codes; the table of this module.
+    ///
     /// # Accuracy
     /// Invariant under rotation of the scan by whole bins (test `signatures_are_invariant_under_rotation`).
     ///

@@ -12,6 +12,20 @@ pub enum Error {
         /// Bytes that it lacks.
         missing_bytes: usize,
     },
+    /// A setting is out of its range.
+    Setting {
+        /// Name of the field.
+        name: &'static str,
+        /// Least and most that it may be.
+        range: [u32; 2],
+    },
+    /// The images of a camera are too large.
+    Side {
+        /// Number of the camera.
+        camera: u8,
+        /// Largest width and height, pixels.
+        most: u32,
+    },
     /// The site has more layers than the locator holds.
     Layers {
         /// As many as it holds.
@@ -33,6 +47,15 @@ pub enum Error {
         /// Width and height of the frame, pixels.
         found: [u32; 2],
     },
+    /// The exclusion mask of a frame is not of the frame's size.
+    Mask {
+        /// Number of the camera.
+        camera: u8,
+        /// Width and height of the frame, pixels.
+        expected: [u32; 2],
+        /// Width and height of the mask, pixels.
+        found: [u32; 2],
+    },
     /// Fewer segments than needed point to one vertical vanishing point.
     Up,
     /// The up vector lies along the optical axis of camera 0, which leaves no heading, or is no vector.
@@ -45,6 +68,12 @@ impl fmt::Display for Error {
             Self::Memory { missing_bytes } => {
                 write!(f, "memory is too small for the frames: {missing_bytes} bytes are missing")
             }
+            Self::Setting { name, range: [least, most] } => {
+                write!(f, "the setting `{name}` is not between {least} and {most}")
+            }
+            Self::Side { camera, most } => {
+                write!(f, "the images of cam{camera} are wider or higher than {most} pixels")
+            }
             Self::Layers { most } => write!(f, "the site has more than {most} layers"),
             Self::Camera { camera, missing: true } => write!(f, "the frame of cam{camera} is missing"),
             Self::Camera { camera, missing: false } => {
@@ -52,6 +81,9 @@ impl fmt::Display for Error {
             }
             Self::Size { camera, expected: [width, height], found: [x, y] } => {
                 write!(f, "the frame of cam{camera} has {x} x {y} pixels, the rig says {width} x {height}")
+            }
+            Self::Mask { camera, expected: [width, height], found: [x, y] } => {
+                write!(f, "the mask of cam{camera} has {x} x {y} pixels, its frame {width} x {height}")
             }
             Self::Up => f.write_str("too few vertical lines to tell which way is up"),
             Self::Axis => f.write_str(

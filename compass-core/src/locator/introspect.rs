@@ -33,6 +33,7 @@ impl<M: AsRef<[u32]> + AsMut<[u32]>, T: Trace, const LAYERS: usize> Locator<'_, 
         };
         *search.table = EvidenceTable::EMPTY;
         fill(search.table);
+        search.table.clamp();
         explain(
             search.table,
             &self.layers,

@@ -8,13 +8,19 @@ use crate::vision::attitude::Arc;
 use crate::vision::boundary::{self, CELLS, RangeLikelihoods};
 use crate::vision::camera::{CAMERAS, Rig};
 use crate::vision::panorama::Resolution;
-use crate::vision::segments::{self, Segment, pixels, trail_len};
+use crate::vision::segments::{self, MAX_SIDE, Segment, pixels, trail_len};
 use crate::vision::windows::{self, Column, VerticalSegment, Window, WindowBox};
 use bytemuck::Pod;
 use core::mem;
 
 /// Bytes of a word of memory.
 const WORD_BYTES: usize = size_of::<u32>();
+
+/// A width and height, at most those that the detector takes: sizes in words fit 32 bits.
+const fn bounded([width, height]: [u16; 2]) -> [u16; 2] {
+    const MOST: u16 = MAX_SIDE as u16;
+    [if width > MOST { MOST } else { width }, if height > MOST { MOST } else { height }]
+}
 
 /// Words that hold this many elements.
 const fn of<T>(count: usize) -> usize {
@@ -46,6 +52,12 @@ impl Settings {
     }
 
     pub(super) fn check(&self, rig: &Rig, words: usize) -> Result<(), Error> {
+        self.check_ranges()?;
+        for (camera, view) in rig.views() {
+            if u32::from(view.width.max(view.height)) > MAX_SIDE {
+                return Err(Error::Side { camera: camera as u8, most: MAX_SIDE });
+            }
+        }
         let missing = self.layout(rig).words().saturating_sub(words);
         if missing == 0 { Ok(()) } else { Err(Error::Memory { missing_bytes: missing * WORD_BYTES }) }
     }
@@ -61,7 +73,7 @@ pub(super) struct Layout {
 impl Layout {
     /// For images of these widths and heights, 0 for a camera that is not there.
     pub(super) const fn new(settings: &Settings, sizes: [[u16; 2]; CAMERAS]) -> Self {
-        Self { settings: *settings, sizes }
+        Self { settings: settings.bounded(), sizes: [bounded(sizes[0]), bounded(sizes[1])] }
     }
 
     /// Words of all of it.

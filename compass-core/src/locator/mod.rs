@@ -108,7 +108,7 @@ impl<'a, M: AsRef<[u32]> + AsMut<[u32]>, const LAYERS: usize> Locator<'a, M, (),
     /// For the cameras of a rig on all floors of a site. What the memory holds does not matter.
     ///
     /// # Errors
-    /// [`Error::Memory`] says how much is missing; [`Error::Layers`] if the site has more than `LAYERS`.
+    /// As of [`traced`](Self::traced); [`Error::Layers`] if the site has more than `LAYERS`.
     pub fn new(site: &Site<'a>, rig: Rig, settings: Settings, memory: M) -> Result<Self, Error> {
         let mut locator = Self::without_site(rig, settings, memory)?;
         locator.add_site(site)?;
@@ -118,7 +118,7 @@ impl<'a, M: AsRef<[u32]> + AsMut<[u32]>, const LAYERS: usize> Locator<'a, M, (),
     /// For cameras that are named later, with [`set_rig`](Self::set_rig); layers may be added.
     ///
     /// # Errors
-    /// [`Error::Memory`] says how much is missing.
+    /// As of [`traced`](Self::traced).
     pub fn without_rig(settings: Settings, memory: M) -> Result<Self, Error> {
         Self::without_site(Rig::NONE, settings, memory)
     }
@@ -126,7 +126,7 @@ impl<'a, M: AsRef<[u32]> + AsMut<[u32]>, const LAYERS: usize> Locator<'a, M, (),
     /// For the cameras of a rig, to look around with; layers may be added.
     ///
     /// # Errors
-    /// [`Error::Memory`] says how much is missing.
+    /// As of [`traced`](Self::traced).
     pub fn without_site(rig: Rig, settings: Settings, memory: M) -> Result<Self, Error> {
         Self::traced(rig, settings, memory, ())
     }
@@ -136,6 +136,7 @@ impl<'a, M: AsRef<[u32]> + AsMut<[u32]>, T: Trace, const LAYERS: usize> Locator<
     /// For the cameras of a rig, with a sink of what the stages find; layers may be added.
     ///
     /// # Errors
+    /// [`Error::Setting`] for a setting out of its range, [`Error::Side`] for images that are too large;
     /// [`Error::Memory`] says how much is missing.
     pub fn traced(rig: Rig, settings: Settings, memory: M, trace: T) -> Result<Self, Error> {
         settings.check(&rig, memory.as_ref().len())?;
@@ -236,7 +237,7 @@ impl<'a, M: AsRef<[u32]> + AsMut<[u32]>, T: Trace, const LAYERS: usize> Locator<
     /// Takes another rig, as for a recording whose frames change their size.
     ///
     /// # Errors
-    /// [`Error::Memory`]; the rig is then the former.
+    /// [`Error::Side`], [`Error::Memory`]; the rig is then the former.
     pub fn set_rig(&mut self, rig: Rig) -> Result<(), Error> {
         self.settings.check(&rig, self.memory.as_ref().len())?;
         self.resolution = self.settings.resolution(&rig);
@@ -247,8 +248,9 @@ impl<'a, M: AsRef<[u32]> + AsMut<[u32]>, T: Trace, const LAYERS: usize> Locator<
     /// The pose that explains best what the frames show.
     ///
     /// # Errors
-    /// [`Error::Camera`] and [`Error::Size`] name the camera whose frame does not fit the rig; [`Error::Up`] and
-    /// [`Error::Axis`] if the frames do not tell which way is up. "Nowhere" is no error: a [`Fix`] without a pose.
+    /// [`Error::Camera`], [`Error::Size`] and [`Error::Mask`] name the camera whose frame does not fit the rig;
+    /// [`Error::Up`] and [`Error::Axis`] if the frames do not tell which way is up. "Nowhere" is no error: see
+    /// [`Fix::probability`]. Frames that show nothing have a pose too, of probability 0.
     pub fn locate(&mut self, frames: &Frames<'_>, prior: &Prior) -> Result<Fix<'a>, Error> {
         Ok(self.segment(frames)?.level_near(prior.up)?.see().locate(prior.heights))
     }
@@ -256,7 +258,7 @@ impl<'a, M: AsRef<[u32]> + AsMut<[u32]>, T: Trace, const LAYERS: usize> Locator<
     /// First stage: the line segments of all frames.
     ///
     /// # Errors
-    /// [`Error::Camera`], [`Error::Size`].
+    /// [`Error::Camera`], [`Error::Size`], [`Error::Mask`].
     // Inlined down to the loops over all pixels, so that a caller compiled for wider vectors has them wider.
     #[inline(always)]
     pub fn segment<'l, 'f>(&'l mut self, frames: &Frames<'f>) -> Result<Segmented<'l, 'f, Self>, Error> {
@@ -284,7 +286,13 @@ fn check_frames(rig: &Rig, frames: &Frames<'_>) -> Result<(), Error> {
 fn check_size(camera: u8, view: &View, frame: &Frame<'_>) -> Result<(), Error> {
     let expected = [view.width, view.height].map(u32::from);
     let found = [frame.gray.width(), frame.gray.height()];
-    if found == expected { Ok(()) } else { Err(Error::Size { camera, expected, found }) }
+    if found != expected {
+        return Err(Error::Size { camera, expected, found });
+    }
+    match frame.excluded.size() {
+        Some(found) if found != expected => Err(Error::Mask { camera, expected, found }),
+        _ => Ok(()),
+    }
 }
 
 #[cfg(test)]

@@ -1,9 +1,10 @@
 //! How the pipeline works, and what that costs.
 
+use super::error::Error;
 use crate::pose::Headings;
-#[cfg(doc)]
 use crate::pose::MAX_POOL;
-use crate::pose::locate::Effort;
+use crate::pose::locate::{Effort, MAX_REFINED};
+use crate::vision::boundary::MAX_CEILINGS;
 use crate::vision::camera::Rig;
 use crate::vision::panorama::Resolution;
 
@@ -18,6 +19,13 @@ pub enum Smoothing {
     /// Those of the detector are kept: a byte a pixel of both cameras. The same bits as [`Again`](Self::Again).
     Kept,
 }
+
+/// Most elements of each kind: products with their sizes fit 32 bits.
+const MOST_ELEMENTS: usize = 65_536;
+/// Smallest pool: with fewer poses the second best, which makes a probability honest, may be missing.
+const LEAST_POOL: usize = 64;
+/// Fewest poses that are refined, for the same reason.
+const LEAST_REFINED: usize = 8;
 
 /// How the pipeline works. Start from a preset and change what differs.
 ///
@@ -36,24 +44,25 @@ pub enum Smoothing {
 pub struct Settings {
     /// Finest cells of the panorama; lenses of fewer than 3 pixels a degree have [`Resolution::COARSE`] in any case.
     pub panorama: Resolution,
-    /// Segments kept of each frame; of more the first count.
+    /// Room for segments of each frame, 1 to 65536; if there are more, the first ones found.
     pub segments: usize,
-    /// Near-vertical segments of both frames.
+    /// Room for near-vertical segments of both frames, 1 to 65536.
     pub vertical_segments: usize,
-    /// Pairs of edges that may be windows.
+    /// Room for pairs of edges that may be windows, 1 to 65536.
     pub boxes: usize,
-    /// Windows all around.
+    /// Room for windows all around, 1 to 65536.
     pub windows: usize,
     /// Whether frames are smoothed for windows and boundaries: 12 million instructions for two frames of 368 x 360 on a
     /// Cortex-M7, and two to three more pairs of a hundred found.
     pub smoothing: Smoothing,
     /// Whether segments are sought within 95 degrees of the optical axis alone: a bit of memory a pixel.
     pub lens_field_mask: bool,
-    /// Largest angle between a segment and the vertical that it points to, degrees; 2, and 3 for coarse lenses, if `None`.
+    /// Largest angle between a segment and the vertical that it points to, degrees, 0.1 to 45; 2,
+    /// and 3 for coarse lenses, if `None`.
     pub inlier_tolerance_deg: Option<f32>,
     /// Headings at which candidates are scored.
     pub headings: Headings,
-    /// Poses that the search keeps for refinement, at most [`MAX_POOL`].
+    /// Poses that the search keeps for refinement, 64 to [`MAX_POOL`].
     pub pool: usize,
     /// Work of the search where the camera's height is not known.
     pub effort: Effort,
@@ -94,6 +103,39 @@ impl Settings {
         effort_at_known_height: Effort::LITTLE,
     };
 
+    /// Whether each field is in its range.
+    pub(super) fn check_ranges(&self) -> Result<(), Error> {
+        let counts = [
+            ("segments", self.segments),
+            ("vertical_segments", self.vertical_segments),
+            ("boxes", self.boxes),
+            ("windows", self.windows),
+        ];
+        for (name, count) in counts {
+            in_range(name, count, [1, MOST_ELEMENTS])?;
+        }
+        in_range("pool", self.pool, [LEAST_POOL, MAX_POOL])?;
+        if self.inlier_tolerance_deg.is_some_and(|degrees| !(0.1..=45.0).contains(&degrees)) {
+            return Err(Error::Setting { name: "inlier_tolerance_deg", range: [0, 45] });
+        }
+        [self.effort, self.effort_at_known_height].iter().try_for_each(check_effort)
+    }
+
+    /// The same, with counts that are too large cut down: the memory of settings that are refused has a size too.
+    pub(super) const fn bounded(&self) -> Self {
+        const fn cut(count: usize, most: usize) -> usize {
+            if count > most { most } else { count }
+        }
+        Self {
+            segments: cut(self.segments, MOST_ELEMENTS),
+            vertical_segments: cut(self.vertical_segments, MOST_ELEMENTS),
+            boxes: cut(self.boxes, MOST_ELEMENTS),
+            windows: cut(self.windows, MOST_ELEMENTS),
+            pool: cut(self.pool, MAX_POOL),
+            ..*self
+        }
+    }
+
     /// The work of the search.
     pub(super) const fn effort(&self, is_height_known: bool) -> Effort {
         if is_height_known { self.effort_at_known_height } else { self.effort }
@@ -109,4 +151,19 @@ impl Settings {
     pub(super) fn tolerance_deg(&self, resolution: Resolution) -> f32 {
         self.inlier_tolerance_deg.unwrap_or(if resolution == Resolution::COARSE { 3.0 } else { 2.0 })
     }
+}
+
+fn in_range(name: &'static str, value: usize, [least, most]: [usize; 2]) -> Result<(), Error> {
+    if (least..=most).contains(&value) {
+        Ok(())
+    } else {
+        Err(Error::Setting { name, range: [least as u32, most as u32] })
+    }
+}
+
+fn check_effort(effort: &Effort) -> Result<(), Error> {
+    in_range("refined_poses", effort.refined_poses, [LEAST_REFINED, MAX_REFINED])?;
+    in_range("refined_fully", effort.refined_fully, [1, MAX_REFINED])?;
+    in_range("ceilings", effort.ceilings, [1, MAX_CEILINGS])?;
+    in_range("rays", effort.rays, [4, 36])
 }

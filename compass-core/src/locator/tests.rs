@@ -1,5 +1,7 @@
 use super::*;
 use crate::base::num::Metres;
+use crate::base::raster::BitMask;
+use crate::pose::locate::Effort;
 use crate::pose::track::Track;
 use crate::vision::camera::{Bearing, Camera, Intrinsics, KannalaBrandt};
 use nalgebra::{Matrix3, Vector3};
@@ -204,4 +206,65 @@ fn a_trace_sees_the_stages_in_their_order() {
         [Stage::Segments(0), Stage::Segments(1), Stage::Up, Stage::Windows, Stage::Boundaries, Stage::Locate];
     let expected: Vec<_> = stages.into_iter().flat_map(|stage| [(stage, true), (stage, false)]).collect();
     assert_eq!(locator.trace_mut().0, expected);
+}
+
+#[test]
+fn settings_out_of_their_ranges_are_refused() {
+    let effort = |effort| Settings { effort_at_known_height: effort, ..Settings::BOARD };
+    let wrong = [
+        ("segments", Settings { segments: 0, ..Settings::BOARD }),
+        ("boxes", Settings { boxes: usize::MAX, ..Settings::BOARD }),
+        ("windows", Settings { windows: 1 << 62, ..Settings::BOARD }),
+        // One pose in the pool would have no second best, and its probability would be near 1.
+        ("pool", Settings { pool: 1, ..Settings::BOARD }),
+        ("pool", Settings { pool: 1 << 60, ..Settings::BOARD }),
+        ("inlier_tolerance_deg", Settings { inlier_tolerance_deg: Some(f32::NAN), ..Settings::BOARD }),
+        ("refined_poses", effort(Effort { refined_poses: 1, ..Effort::FULL })),
+        ("rays", effort(Effort { rays: 361, ..Effort::FULL })),
+        ("ceilings", effort(Effort { ceilings: 0, ..Effort::FULL })),
+    ];
+    for (field, settings) in wrong {
+        let memory = vec![0; settings.memory_words(0, 0)];
+        let refused = Locator::<_>::without_rig(settings, memory).map(|_| ()).unwrap_err();
+        assert!(matches!(refused, Error::Setting { name, .. } if name == field), "{field}: {refused}");
+    }
+}
+
+#[test]
+fn frames_and_masks_must_have_the_size_of_the_rig() {
+    let sample = Sample::read();
+    let mut locator = sample.locator(Settings::BOARD);
+    let bits = [0xff; 8];
+    let mut frames = sample.frames();
+    frames[1].as_mut().unwrap().excluded = ExclusionMask::Mask(BitMask::new(&bits, 8, 8).unwrap());
+    let refused = locator.locate(&frames, &PRIOR).map(|_| ()).unwrap_err();
+    assert_eq!(refused, Error::Mask { camera: 1, expected: [368, 360], found: [8, 8] });
+    let wide = View { width: 8193, ..*rig().view(0).unwrap() };
+    let refused = locator.set_rig(Rig::new([Some(wide), None]).unwrap()).unwrap_err();
+    assert_eq!(refused, Error::Side { camera: 0, most: 8192 });
+}
+
+#[test]
+fn evidence_from_elsewhere_is_clamped() {
+    let sample = Sample::read();
+    for byte in [127, 128] {
+        let mut locator = sample.locator(Settings::BOARD);
+        let poses = locator.explain(|table| bytemuck::bytes_of_mut(table).fill(byte));
+        assert!(poses.best().is_some());
+    }
+}
+
+#[test]
+fn stripes_of_a_large_frame_are_no_trouble_to_the_detector() {
+    // Edges end at the border of the lens, so that lines branch far from where they began.
+    let (width, height) = (2000_u16, 2000_u16);
+    let pixels: Vec<u8> = (0..2000 * 2000).map(|i| if i % 2000 / 6 % 2 == 0 { 200 } else { 10 }).collect();
+    let intrinsics = Intrinsics { fx: 667.0, fy: 667.0, cx: 1000.0, cy: 1000.0 };
+    let lens = crate::vision::camera::Equidistant::new(intrinsics).unwrap();
+    let rig = Rig::new([Some(View::new(Camera::Equidistant(lens), width, height)), None]).unwrap();
+    let settings = Settings { lens_field_mask: true, ..Settings::BOARD };
+    let mut locator: Locator<'_, _> =
+        Locator::without_site(rig, settings, vec![0; settings.memory_words_of(&rig)]).unwrap();
+    let frame = GrayImage::new(&pixels, width.into(), height.into()).unwrap();
+    assert!(!locator.segment(&[Some(frame.into()), None]).unwrap().segments(0).is_empty());
 }

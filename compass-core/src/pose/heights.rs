@@ -2,7 +2,7 @@
 //!
 //! Heights are quantized like ranges, in rungs of 6.3 %: an estimate is within half a rung, 3 %, of the optimum.
 
-use crate::base::ladder::{RUNG, height_m, height_rungs};
+use crate::base::ladder::{HEIGHTS_M, RUNG, height_m, height_rungs};
 use crate::base::order;
 use heapless::Vec;
 
@@ -61,16 +61,21 @@ impl HeightPrior {
     pub const UNKNOWN: Self = Self { camera_m: None, ceiling: None };
 
     /// The height of the camera above the floor is known, metres. Values outside
-    /// [`HEIGHTS_M`](crate::base::ladder::HEIGHTS_M) are clamped to it.
+    /// [`HEIGHTS_M`] are clamped to it; NaN is unknown.
     #[must_use]
     pub const fn camera(metres: f32) -> Self {
-        Self { camera_m: Some(metres), ..Self::UNKNOWN }
+        if metres.is_nan() {
+            return Self::UNKNOWN;
+        }
+        Self { camera_m: Some(metres.clamp(HEIGHTS_M[0], HEIGHTS_M[1])), ..Self::UNKNOWN }
     }
 
     /// Both heights are known, for instance from an earlier [`Fix`](super::Fix).
     #[must_use]
     pub fn both(heights: Heights) -> Self {
-        Self { camera_m: Some(heights.camera_m()), ceiling: Some(heights.ceiling) }
+        let [least, most] = HEIGHTS_M.map(height_rungs);
+        let camera = heights.camera.clamp(least, most);
+        Self { camera_m: Some(height_m(camera)), ceiling: Some(heights.ceiling) }
     }
 
     /// Height of the camera above the floor, metres, if it is known.
@@ -165,6 +170,18 @@ mod tests {
 
     fn heights(camera: i8, ceiling: i8) -> Heights {
         Heights { camera, ceiling }
+    }
+
+    #[test]
+    fn priors_are_clamped_to_the_heights_that_are_searched() {
+        let metres = |prior: HeightPrior| prior.camera_m();
+        assert_eq!(metres(HeightPrior::camera(f32::NAN)), None);
+        assert_eq!(
+            [-3.0, 1.6, 1e9].map(|m| metres(HeightPrior::camera(m))),
+            [Some(0.55), Some(1.6), Some(2.4)]
+        );
+        let high = metres(HeightPrior::both(heights(127, 0))).unwrap();
+        assert!((2.4..2.5).contains(&high), "{high}");
     }
 
     #[test]

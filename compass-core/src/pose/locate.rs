@@ -45,13 +45,14 @@ pub struct Work<'a> {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Effort {
-    /// Number of poses that pass [`refine_coarse`], 1 to [`MAX_REFINED`].
+    /// Number of poses that pass [`refine_coarse`], 8 to [`MAX_REFINED`]: with fewer the second best, which makes a
+    /// probability honest, may be missing.
     pub refined_poses: usize,
     /// Number of those that pass [`refine_fine`] as well, at least 1. The others remain accurate to 0.1 m or 0.2 m.
     pub refined_fully: usize,
     /// Number of ceiling heights that are tried until the result is [sure](Fix::is_sure), 1 to [`MAX_CEILINGS`].
     pub ceilings: usize,
-    /// Azimuth stride of the rays in [`refine_coarse`], degrees, at least 4.
+    /// Azimuth stride of the rays in [`refine_coarse`], degrees, 4 to 36.
     pub rays: usize,
     /// Whether a result that is not sure is followed by a second search, over twice as many camera heights. Without effect
     /// for a known camera height.

@@ -12,6 +12,9 @@ const RIM_PX: f32 = 3.0;
 ///
 /// `bits` has the layout of [`BitMask`](crate::base::raster::BitMask); rows beyond its length are omitted.
 ///
+/// # Formats
+/// One bit a pixel, rows padded to whole bytes.
+///
 /// # Accuracy
 /// Exact: every pixel is decided by the inequality of the ellipse (test `bits_match_the_ellipse`).
 ///

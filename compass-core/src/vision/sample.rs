@@ -20,6 +20,16 @@ pub enum ExclusionMask<'a> {
 }
 
 impl ExclusionMask<'_> {
+    /// Width and height, pixels; `None` if no colours are known.
+    #[must_use]
+    pub const fn size(&self) -> Option<[u32; 2]> {
+        match self {
+            Self::Unknown => None,
+            Self::Colours(image) => Some([image.width(), image.height()]),
+            Self::Mask(mask) => Some([mask.width(), mask.height()]),
+        }
+    }
+
     /// Whether the pixel at a position in 1/256 px is excluded.
     #[inline(always)]
     pub(crate) fn at(&self, x: i32, y: i32) -> bool {

@@ -221,7 +221,7 @@ typedef struct Compass Compass;
 
 // Work of the search.
 typedef struct {
-  // Poses that are refined, 1 to 48.
+  // Poses that are refined, 8 to 48.
   uint8_t refined_poses;
   // Poses of these that are refined to the end, 1 to 48: the others are right to a decimetre or two.
   uint8_t refined_fully;

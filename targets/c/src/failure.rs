@@ -83,6 +83,7 @@ impl Failure {
 const fn locate_status(error: &LocateError) -> CompassStatus {
     match error {
         LocateError::Memory { .. } => CompassStatus::Memory,
+        LocateError::Setting { .. } => CompassStatus::Settings,
         LocateError::Layers { .. } => CompassStatus::Layers,
         LocateError::Up => CompassStatus::Up,
         LocateError::Axis => CompassStatus::Axis,

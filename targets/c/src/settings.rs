@@ -44,7 +44,7 @@ pub struct AnySmoothing(pub(crate) i32);
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct CompassEffort {
-    /// Poses that are refined, 1 to 48.
+    /// Poses that are refined, 8 to 48.
     pub refined_poses: u8,
     /// Poses of these that are refined to the end, 1 to 48: the others are right to a decimetre or two.
     pub refined_fully: u8,
@@ -90,6 +90,8 @@ pub struct CompassSettings {
 const MOST_ELEMENTS: u32 = 65_536;
 /// The search asks for as many.
 const LEAST_POOL: u32 = 64;
+/// Fewer refined poses may lack the second best, which a probability needs.
+const LEAST_REFINED: u32 = 8;
 /// Strides of rays that leave 10 of 360 at least.
 const RAYS: [u32; 2] = [4, 36];
 
@@ -199,10 +201,10 @@ impl CompassEffort {
     }
 
     fn check(&self) -> Result<Effort, Failure> {
-        let refined_poses = [1, MAX_REFINED as u32];
+        let most = MAX_REFINED as u32;
         Ok(Effort {
-            refined_poses: ranged("effort.refined_poses", self.refined_poses.into(), refined_poses)?,
-            refined_fully: ranged("effort.refined_fully", self.refined_fully.into(), refined_poses)?,
+            refined_poses: ranged("effort.refined_poses", self.refined_poses.into(), [LEAST_REFINED, most])?,
+            refined_fully: ranged("effort.refined_fully", self.refined_fully.into(), [1, most])?,
             ceilings: ranged("effort.ceilings", self.ceilings.into(), [1, MAX_CEILINGS as u32])?,
             rays: ranged("effort.rays", self.rays.into(), RAYS)?,
             finer_heights: flag("effort.finer_heights", self.finer_heights)?,

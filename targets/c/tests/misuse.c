@@ -120,7 +120,7 @@ static void memory_and_settings(void) {
     CompassSettings none = compass_settings((CompassPreset)7), zero = {0};
     EXPECT(SETTINGS, compass_new(memory, need, &none, &compass));
     EXPECT(SETTINGS, compass_new(memory, need, &zero, &compass));
-    CompassSettings wrong[12];
+    CompassSettings wrong[13];
     for (size_t i = 0; i < COUNT(wrong); i++) {
         wrong[i] = board;
     }
@@ -136,6 +136,7 @@ static void memory_and_settings(void) {
     wrong[9].effort.refined_poses = 49;
     wrong[10].effort_at_known_height.ceilings = 0;
     wrong[11].effort.rays = 3;
+    wrong[12].effort.refined_poses = 7;
     for (size_t i = 0; i < COUNT(wrong); i++) {
         EXPECT(SETTINGS, compass_new(memory, need, &wrong[i], &compass));
         IS(compass_memory_bytes(WIDTH, HEIGHT, &wrong[i]), 0);

@@ -9,6 +9,9 @@ pub(super) const WINDOW: usize = 15;
 pub(super) const LEAST_WINDOW: usize = 8;
 /// A window is a line if the mean squared distance of its pixels from the fit is below 1/5 px^2: the inverse of that.
 const WINDOW_ERROR_INVERSE: i64 = 5;
+/// Largest central moment of a window that may be a line; pixels that follow each other stay below 5000. Products of
+/// four fit 64 bits.
+const MOST_MOMENT: i64 = 1 << 20;
 /// Squared inlier tolerance of a line, (1.5 px)^2 in 1/65536 px^2.
 const REACH_SQUARED: i64 = 147_456;
 /// Cross-axis distance, 1/65536 px, beyond which no pixel is an inlier of a line within 60 degrees of its main axis.
@@ -52,6 +55,11 @@ impl Window {
             |product: i32, a: i32, b: i32| i64::from(n.wrapping_mul(product).wrapping_sub(a.wrapping_mul(b)));
         let (xx, yy) = (central(self.xx, self.x, self.x), central(self.yy, self.y, self.y));
         let across = central(self.xy, self.x, self.y);
+        // A branch may begin with a pixel far from the others.
+        if !(0..=MOST_MOMENT).contains(&xx) || !(0..=MOST_MOMENT).contains(&yy) || across.abs() > MOST_MOMENT
+        {
+            return false;
+        }
         let (along, spread) = if steep { (yy, xx) } else { (xx, yy) };
         // Mean squared distance: (spread - across^2 / along) / n^2 * along^2 / (along^2 + across^2).
         let residual = (along * spread - across * across) * along;
