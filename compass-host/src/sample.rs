@@ -398,7 +398,7 @@ impl Canvas {
     }
 }
 
-/// What a pixel is made of.
+/// Material of a pixel.
 #[derive(Debug, Clone, Copy)]
 enum Material {
     Wall,

@@ -96,7 +96,7 @@ mod tests {
     use compass_core::base::ladder::RUNG;
 
     #[test]
-    fn an_unknown_height_makes_a_usual_room() {
+    fn unknown_height_assumes_the_default_room() {
         let height = Height::new(None, &RangeLikelihoods::EMPTY);
         assert_eq!((height.camera_m, height.ceiling_m, height.given), (1.375, 2.75, false));
         let told = Height::new(Some(1.87), &RangeLikelihoods::EMPTY);

@@ -166,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn walls_that_are_not_built_are_looked_through() {
+    fn unbuilt_walls_are_found_absent() {
         let drawn = PlanRaster::from(building());
         let plan = PackedPlan::new(&drawn).unwrap();
         let as_drawn = checked(&plan, &drawn);

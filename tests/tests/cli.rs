@@ -148,7 +148,7 @@ fn a_plan_can_be_named_in_every_way() {
 }
 
 #[test]
-fn json_goes_where_it_is_told() {
+fn json_goes_to_the_named_destination() {
     let folder = Folder::new();
     let ran = folder.run(&format!("describe sample.png {POSE} --json result.json"));
     assert_eq!((ran.status, ran.stderr.as_str()), (Some(0), ""));

@@ -169,7 +169,7 @@ fn axes_are_those_of_the_walls(gravity: &Value, pose: &Pose) {
 }
 
 #[test]
-fn the_imu_agrees_or_is_told_apart() {
+fn imu_agrees_or_its_disagreement_is_reported() {
     let (folder, pose) = (Folder::new(), pose(0, 0.0));
     let rig = folder.write_frames(&frames()[0]).replace("rig.yaml", "imu.yaml");
     let same = "cam0:\n  T_cam_imu: [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]";

@@ -167,7 +167,7 @@ fn cameras_that_are_not_there() {
 }
 
 #[test]
-fn up_vectors_that_are_none() {
+fn invalid_up_vectors_are_refused() {
     let folder = folder();
     let pair = "--calib rig.yaml --cam0 cam0.png --cam1 cam1.png";
     let lines = [

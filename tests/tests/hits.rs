@@ -140,7 +140,7 @@ fn pictures_show_what_was_found() {
 }
 
 #[test]
-fn structure_that_is_none_is_refused() {
+fn missing_structure_is_refused() {
     let folder = Folder::new();
     for (thickness, named) in [("0", "0 m"), ("9", "at most 5"), ("4", "no wall is 4 m thick")] {
         let ran = folder.run(&format!("describe sample.png --at 13.37,3.68 --structure {thickness}"));

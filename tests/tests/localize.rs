@@ -99,7 +99,7 @@ fn one_camera_works() {
 }
 
 #[test]
-fn bad_input_is_told() {
+fn bad_input_is_refused() {
     let (folder, options) = folder_with_frames();
     let before = folder.names();
     for (line, named) in [

@@ -123,7 +123,7 @@ fn a_pose_is_found_on_a_site_as_on_its_map() {
 }
 
 #[test]
-fn joined_floors_are_told_apart() {
+fn joined_floors_are_distinguished() {
     let folder = Folder::new();
     draw_room(&folder, "room.png");
     let built = folder.json("map build room.png --name Dachgeschoß --out attic.site");

@@ -193,7 +193,7 @@ fn coefficients_of_another_convention() {
 }
 
 #[test]
-fn transforms_that_are_none() {
+fn invalid_transforms_are_refused() {
     let field = "cam0.T_cam_imu";
     refused("[0, 0, -1, 0.02]", "[0, 0, -1.01, 0.02]", &[field, "orthonormal"]);
     refused("[0, 0, -1, 0.02]", "[0, 0, 1, 0.02]", &[field, "mirrors"]);
@@ -212,7 +212,7 @@ fn three_decimals_make_a_rotation() {
 }
 
 #[test]
-fn the_nominal_rig_looks_both_ways() {
+fn nominal_rig_faces_both_ways() {
     let rig = Calibration::nominal().rig([Some((736, 720)), Some((736, 720))]).unwrap();
     let [front, back] = [0, 1].map(|number| *rig.view(number).unwrap());
     let axis = back.rotation * compass_core::vision::camera::Bearing::z();

@@ -52,7 +52,7 @@ impl UpArg {
         self.with(UpFrom::Image, None).resolve(segmented)
     }
 
-    /// The up vector as it is given, or from the image or what else there is.
+    /// The given up vector, or the sources to determine it from.
     fn with(&self, from: UpFrom, imu: Option<Gravity>) -> Up {
         let given = self.up.map(|[x, y, z]| Bearing::new(x as f32, y as f32, z as f32));
         Up { given, sources: UpSources { from, mount: self.mount.into(), imu } }

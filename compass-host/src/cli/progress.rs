@@ -1,4 +1,4 @@
-//! Progress bars on standard error; silent when that is no terminal.
+//! Progress bars on standard error; hidden when it is not a terminal.
 
 use compass_host::progress::{Progress, Steps};
 use indicatif::{ProgressBar, ProgressStyle};

@@ -172,7 +172,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_folder_that_is_no_recording_is_told_so() {
+    fn folder_without_a_recording_is_refused() {
         let folder = tempfile::tempdir().unwrap();
         let calibration = Calibration::nominal();
         let message = |path: &Path, topics: Option<&Topics>| {

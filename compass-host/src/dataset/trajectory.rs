@@ -92,7 +92,7 @@ mod tests {
     }
 
     #[test]
-    fn motion_is_told_in_the_first_pose() {
+    fn motion_is_in_the_axes_of_the_first_pose() {
         let motion = trajectory().motion(1_000_000_000, 1_500_000_000).unwrap();
         assert!((motion.forward_m + 170f32.to_radians().cos().abs()).abs() < 1e-6, "{motion:?}");
         assert!((motion.left_m + 170f32.to_radians().sin()).abs() < 1e-6, "{motion:?}");

@@ -96,7 +96,7 @@ impl Bits {
     /// Keeps the pixels that some square of `side` pixels covers without leaving the mask.
     fn open(&mut self, side: usize) {
         let (words, last) = (self.words, self.last);
-        // The square's lower left pixels ...
+        // Erosion: the lower left pixels of the squares that fit.
         for row in self.bits.chunks_exact_mut(words) {
             // Padding bits must stay clear.
             row[words - 1] &= last;
@@ -107,7 +107,7 @@ impl Bits {
             (0..kept).for_each(|at| self.bits[at] &= self.bits[at + by * words]);
             self.bits[kept..].fill(0);
         });
-        // ... and all pixels of their squares.
+        // Dilation: all pixels of those squares.
         for row in self.bits.chunks_exact_mut(words) {
             doubling(side, |by| (0..words).rev().for_each(|at| row[at] |= from_left(row, at, by)));
         }

@@ -163,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_told_is_listed() {
+    fn ambiguous_topics_are_listed() {
         let both = calibration([Some("/cam/b"), Some("/cam/a")]);
         let image = "/cam/c (sensor_msgs/msg/Image)";
         for (names, asked, named) in [
