@@ -7,7 +7,8 @@
 //!
 //! # The door
 //! Open a [`Site`], describe the [`Rig`], lend a [`Locator`] its memory, and every pair of frames gives a [`Fix`]: pose,
-//! probability, heights, the name of the floor, alternatives.
+//! probability, heights, the name of the floor, alternatives. A fix always names the likeliest pose; its probability says
+//! whether to believe it. [`Site::verify`] reads a file through, which [`Site::new`] leaves out.
 //!
 //! ```
 //! use compass_core::{Frame, Fix, GrayImage, HeightPrior, Locator, LocateError, Prior, Rig, Settings, Site, UpHint, Bearing};
@@ -30,19 +31,26 @@
 //!     let mut locator: Locator<'_, _> = Locator::new(site, rig, Settings::BOARD, &mut memory[..])?;
 //!     locator.locate(&[frame(front), frame(back)], &prior)
 //! }
-//! # use compass_core::{Camera, Intrinsics, KannalaBrandt, View};
+//! use compass_core::{Camera, Intrinsics, KannalaBrandt, View};
+//!
 //! # const VECTORS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/vectors");
-//! # let view = |[fx, fy, cx, cy]: [f32; 4], k| {
-//! #     let lens = KannalaBrandt::new(Intrinsics { fx, fy, cx, cy }, k).unwrap();
-//! #     View::new(Camera::KannalaBrandt(lens), 368, 360)
-//! # };
-//! # let front = view([116.0, 116.1, 182.95, 179.9], [0.024, -0.0105, -0.0016, 0.000_14]);
-//! # let mut back = view([116.25, 116.3, 183.65, 179.2], [0.025, -0.0107, -0.001_55, 0.000_13]);
-//! # let rotation = [-0.999_975, 0.005_025, 0.004_975, 0.005, 0.999_974_7, -0.005_025, -0.005, -0.005, -0.999_974_9];
-//! # back.rotation.copy_from_slice(&rotation);
-//! # back.rotation.transpose_mut();
-//! # (back.position.x, back.position.y, back.position.z) = (0.0012, -0.0007, -0.038);
-//! # let rig = Rig::new([Some(front), Some(back)]).unwrap();
+//! // Lenses as calibrated, for frames of this size: focal lengths, centre, distortion.
+//! let view = |[fx, fy, cx, cy]: [f32; 4], k| {
+//!     let lens = KannalaBrandt::new(Intrinsics { fx, fy, cx, cy }, k).unwrap();
+//!     View::new(Camera::KannalaBrandt(lens), 368, 360)
+//! };
+//! let front = view([116.0, 116.1, 182.95, 179.9], [0.024, -0.0105, -0.0016, 0.000_14]);
+//! let mut back = view([116.25, 116.3, 183.65, 179.2], [0.025, -0.0107, -0.001_55, 0.000_13]);
+//! // It takes bearings of the back camera into the front camera; written by columns.
+//! back.rotation.copy_from_slice(&[
+//!     -0.999_975, 0.005, -0.005, //
+//!     0.005_025, 0.999_974_7, -0.005, //
+//!     0.004_975, -0.005_025, -0.999_974_9,
+//! ]);
+//! // Where the back camera is, in the axes of the front camera, metres.
+//! back.position.copy_from_slice(&[0.0012, -0.0007, -0.038]);
+//! let rig = Rig::new([Some(front), Some(back)]).unwrap();
+//!
 //! # let read = |name: &str| std::fs::read(format!("{VECTORS}/{name}")).unwrap();
 //! # let (front, back, bytes) = (read("frame_368x360_cam0.gray"), read("frame_368x360_cam1.gray"), read("sample.site"));
 //! # let site = Site::new(&bytes).unwrap();
@@ -53,6 +61,8 @@
 //! // It was taken at x 4.12, y 17.77 m.
 //! assert!((pose.at.x.to_num::<f32>() - 4.12).abs() < 0.4 && (pose.at.y.to_num::<f32>() - 17.77).abs() < 0.4);
 //! assert!(fix.probability() > 0.5);
+//! // Its heading in degrees, counterclockwise from the x axis.
+//! assert!((pose.heading.to_microdegrees() as f32 / 1e6 - 288.6).abs() < 3.0);
 //! # Ok::<(), LocateError>(())
 //! ```
 //!

@@ -17,7 +17,7 @@ pub enum Error {
         /// Name of the field.
         name: &'static str,
         /// Least and most that it may be.
-        range: [u32; 2],
+        range: [usize; 2],
     },
     /// The images of a camera are too large.
     Side {

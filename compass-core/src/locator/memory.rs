@@ -18,7 +18,8 @@ const WORD_BYTES: usize = size_of::<u32>();
 
 /// A width and height, at most those that the detector takes: sizes in words fit 32 bits.
 const fn bounded([width, height]: [u16; 2]) -> [u16; 2] {
-    const MOST: u16 = MAX_SIDE as u16;
+    const MOST: u16 = 8192;
+    const _: () = assert!(MOST as u32 == MAX_SIDE);
     [if width > MOST { MOST } else { width }, if height > MOST { MOST } else { height }]
 }
 
@@ -53,9 +54,10 @@ impl Settings {
 
     pub(super) fn check(&self, rig: &Rig, words: usize) -> Result<(), Error> {
         self.check_ranges()?;
-        for (camera, view) in rig.views() {
-            if u32::from(view.width.max(view.height)) > MAX_SIDE {
-                return Err(Error::Side { camera: camera as u8, most: MAX_SIDE });
+        for (number, camera) in (0..).zip(0..CAMERAS) {
+            let side = rig.view(camera).map_or(0, |view| view.width.max(view.height));
+            if u32::from(side) > MAX_SIDE {
+                return Err(Error::Side { camera: number, most: MAX_SIDE });
             }
         }
         let missing = self.layout(rig).words().saturating_sub(words);

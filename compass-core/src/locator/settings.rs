@@ -154,11 +154,7 @@ impl Settings {
 }
 
 fn in_range(name: &'static str, value: usize, [least, most]: [usize; 2]) -> Result<(), Error> {
-    if (least..=most).contains(&value) {
-        Ok(())
-    } else {
-        Err(Error::Setting { name, range: [least as u32, most as u32] })
-    }
+    if (least..=most).contains(&value) { Ok(()) } else { Err(Error::Setting { name, range: [least, most] }) }
 }
 
 fn check_effort(effort: &Effort) -> Result<(), Error> {

@@ -218,8 +218,10 @@ where
         fix
     }
 
-    /// Takes what was seen and the [pose](Self::locate) found in it into a belief over a sequence of frames; `seconds` and
-    /// `motion` are those since the frames before.
+    /// Takes what was seen and the [pose](Self::locate) found in it into a belief over a sequence of frames.
+    ///
+    /// `fix` is that of these frames. `seconds` and `motion` are those since the frames before, 0 s for the first; without
+    /// motion the robot may have walked as fast as a person. The layers are the same in each call.
     #[inline(never)]
     pub fn track(
         &mut self,

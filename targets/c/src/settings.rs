@@ -127,7 +127,8 @@ impl CompassSettings {
 
     /// No preset: refused.
     const NONE: Self = {
-        const EFFORT: CompassEffort = CompassEffort { refined_poses: 0, refined_fully: 0, ceilings: 0, rays: 0, finer_heights: 0 };
+        const EFFORT: CompassEffort =
+            CompassEffort { refined_poses: 0, refined_fully: 0, ceilings: 0, rays: 0, finer_heights: 0 };
         Self {
             preset: AnyPreset(0),
             smoothing: AnySmoothing(0),
