@@ -14,8 +14,8 @@ pub enum Error {
     },
     /// A setting is out of its range.
     Setting {
-        /// Name of the field.
-        name: &'static str,
+        /// Which.
+        field: Field,
         /// Least and most that it may be.
         range: [usize; 2],
     },
@@ -62,14 +62,52 @@ pub enum Error {
     Axis,
 }
 
+/// A field of [`Settings`](super::Settings), or of its [`Effort`](crate::pose::locate::Effort), that has a range.
+// No string in the error: on a board its `Debug` would add 5 KB of code.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[non_exhaustive]
+#[expect(missing_docs, reason = "the names of the fields")]
+pub enum Field {
+    Segments,
+    VerticalSegments,
+    Boxes,
+    Windows,
+    Pool,
+    InlierToleranceDeg,
+    RefinedPoses,
+    RefinedFully,
+    Ceilings,
+    Rays,
+}
+
+impl Field {
+    /// The name of the field.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Segments => "segments",
+            Self::VerticalSegments => "vertical_segments",
+            Self::Boxes => "boxes",
+            Self::Windows => "windows",
+            Self::Pool => "pool",
+            Self::InlierToleranceDeg => "inlier_tolerance_deg",
+            Self::RefinedPoses => "refined_poses",
+            Self::RefinedFully => "refined_fully",
+            Self::Ceilings => "ceilings",
+            Self::Rays => "rays",
+        }
+    }
+}
+
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Memory { missing_bytes } => {
                 write!(f, "memory is too small for the frames: {missing_bytes} bytes are missing")
             }
-            Self::Setting { name, range: [least, most] } => {
-                write!(f, "the setting `{name}` is not between {least} and {most}")
+            Self::Setting { field, range: [least, most] } => {
+                write!(f, "the setting `{}` is not between {least} and {most}", field.name())
             }
             Self::Side { camera, most } => {
                 write!(f, "the images of cam{camera} are wider or higher than {most} pixels")

@@ -25,7 +25,7 @@ mod settings;
 mod stages;
 mod trace;
 
-pub use error::Error;
+pub use error::{Error, Field};
 pub use settings::{Settings, Smoothing};
 pub use stages::{Levelled, Seen, Segmented};
 pub use trace::{Picture, Stage, Trace};

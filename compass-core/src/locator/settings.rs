@@ -1,6 +1,6 @@
 //! How the pipeline works, and what that costs.
 
-use super::error::Error;
+use super::error::{Error, Field};
 use crate::pose::Headings;
 use crate::pose::MAX_POOL;
 use crate::pose::locate::{Effort, MAX_REFINED};
@@ -106,17 +106,17 @@ impl Settings {
     /// Whether each field is in its range.
     pub(super) fn check_ranges(&self) -> Result<(), Error> {
         let counts = [
-            ("segments", self.segments),
-            ("vertical_segments", self.vertical_segments),
-            ("boxes", self.boxes),
-            ("windows", self.windows),
+            (Field::Segments, self.segments),
+            (Field::VerticalSegments, self.vertical_segments),
+            (Field::Boxes, self.boxes),
+            (Field::Windows, self.windows),
         ];
-        for (name, count) in counts {
-            in_range(name, count, [1, MOST_ELEMENTS])?;
+        for (field, count) in counts {
+            in_range(field, count, [1, MOST_ELEMENTS])?;
         }
-        in_range("pool", self.pool, [LEAST_POOL, MAX_POOL])?;
+        in_range(Field::Pool, self.pool, [LEAST_POOL, MAX_POOL])?;
         if self.inlier_tolerance_deg.is_some_and(|degrees| !(0.1..=45.0).contains(&degrees)) {
-            return Err(Error::Setting { name: "inlier_tolerance_deg", range: [0, 45] });
+            return Err(Error::Setting { field: Field::InlierToleranceDeg, range: [0, 45] });
         }
         [self.effort, self.effort_at_known_height].iter().try_for_each(check_effort)
     }
@@ -153,13 +153,13 @@ impl Settings {
     }
 }
 
-fn in_range(name: &'static str, value: usize, [least, most]: [usize; 2]) -> Result<(), Error> {
-    if (least..=most).contains(&value) { Ok(()) } else { Err(Error::Setting { name, range: [least, most] }) }
+fn in_range(field: Field, value: usize, [least, most]: [usize; 2]) -> Result<(), Error> {
+    if (least..=most).contains(&value) { Ok(()) } else { Err(Error::Setting { field, range: [least, most] }) }
 }
 
 fn check_effort(effort: &Effort) -> Result<(), Error> {
-    in_range("refined_poses", effort.refined_poses, [LEAST_REFINED, MAX_REFINED])?;
-    in_range("refined_fully", effort.refined_fully, [1, MAX_REFINED])?;
-    in_range("ceilings", effort.ceilings, [1, MAX_CEILINGS])?;
-    in_range("rays", effort.rays, [4, 36])
+    in_range(Field::RefinedPoses, effort.refined_poses, [LEAST_REFINED, MAX_REFINED])?;
+    in_range(Field::RefinedFully, effort.refined_fully, [1, MAX_REFINED])?;
+    in_range(Field::Ceilings, effort.ceilings, [1, MAX_CEILINGS])?;
+    in_range(Field::Rays, effort.rays, [4, 36])
 }

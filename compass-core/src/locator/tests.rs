@@ -226,7 +226,10 @@ fn settings_out_of_their_ranges_are_refused() {
     for (field, settings) in wrong {
         let memory = vec![0; settings.memory_words(0, 0)];
         let refused = Locator::<_>::without_rig(settings, memory).map(|_| ()).unwrap_err();
-        assert!(matches!(refused, Error::Setting { name, .. } if name == field), "{field}: {refused}");
+        assert!(
+            matches!(refused, Error::Setting { field: wrong, .. } if wrong.name() == field),
+            "{field}: {refused}"
+        );
     }
 }
 
