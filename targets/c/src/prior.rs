@@ -116,18 +116,20 @@ impl CompassPrior {
         const UNKNOWN: i32 = CompassHeightKind::Unknown as i32;
         const CAMERA: i32 = CompassHeightKind::Camera as i32;
         const BOTH: i32 = CompassHeightKind::Both as i32;
-        const RANGE: core::ops::RangeInclusive<f32> =
-            COMPASS_LEAST_CAMERA_HEIGHT_M..=COMPASS_MOST_CAMERA_HEIGHT_M;
-        let height = match self.height_kind.0 {
+        // The prior clamps what lies outside; here that is refused.
+        let (height, is_kept) = match self.height_kind.0 {
             UNKNOWN => return Ok(HeightPrior::UNKNOWN),
-            CAMERA => HeightPrior::camera(self.camera_height_m),
-            BOTH => HeightPrior::both(Heights::from_rungs([self.heights.camera, self.heights.ceiling])),
+            CAMERA => {
+                let height = HeightPrior::camera(self.camera_height_m);
+                (height, height.camera_m() == Some(self.camera_height_m))
+            }
+            BOTH => {
+                let heights = Heights::from_rungs([self.heights.camera, self.heights.ceiling]);
+                let height = HeightPrior::both(heights);
+                (height, height.camera_m() == Some(heights.camera_m()))
+            }
             _ => return Err(Failure::Prior("height_kind does not say what is known of the heights")),
         };
-        // A height that is rounded to steps may lie half a step beyond the bounds.
-        let camera_m = height.camera_m().unwrap_or(f32::NAN);
-        let slack = if self.height_kind.0 == BOTH { 1.04 } else { 1.0 };
-        let inside = RANGE.contains(&(camera_m * slack)) || RANGE.contains(&(camera_m / slack));
-        if inside { Ok(height) } else { Err(Failure::Prior("the camera height lies outside 0.55 to 2.4 m")) }
+        if is_kept { Ok(height) } else { Err(Failure::Prior("the camera height lies outside 0.55 to 2.4 m")) }
     }
 }

@@ -1,14 +1,14 @@
 //! What exists for pictures: the feature `introspect`.
 
-use super::Window;
 use super::edges::{self, Edge, VerticalSegment};
+use super::window::Window;
 use crate::vision::camera::{Pixel, Rig};
 use crate::vision::level_frame::{LevelFrame, NOMINAL_RANGE_M};
 use crate::vision::panorama::Resolution;
 use heapless::Vec;
 
-/// Visits the edges that [`WindowFinder::finish`](super::WindowFinder::finish) groups near-vertical segments into, in order of columns; without the ends
-/// of the view.
+/// Visits the edges that [`WindowFinder::finish`](super::WindowFinder::finish) groups near-vertical segments into, in order
+/// of columns; without the ends of the view.
 ///
 /// ```
 /// use compass_core::vision::panorama::Resolution;

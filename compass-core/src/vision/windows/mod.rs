@@ -14,12 +14,14 @@ mod introspect;
 mod panorama;
 mod planes;
 mod tuning;
+mod window;
 
 pub use boxes::WindowBox;
 pub use choose::Column;
 pub use edges::{Edge, VerticalSegment};
 #[cfg(any(test, feature = "introspect"))]
 pub use introspect::{image_box, visit_edges};
+pub use window::Window;
 
 use crate::base::confidence::Confidence;
 use crate::base::num::{BINS, LogOdds, LogWeight, count_as_i32, log_odds};
@@ -27,12 +29,11 @@ use crate::base::raster::GrayImage;
 use crate::base::scan::Hit;
 use crate::vision::camera::Rig;
 use crate::vision::level_frame::LevelFrame;
-use crate::vision::panorama::{Resolution, TOP_DEG, pixels_per_degree};
+use crate::vision::panorama::{Resolution, pixels_per_degree};
 use crate::vision::projector::CameraView;
 use crate::vision::sample::ExclusionMask;
 use crate::vision::segments::{Parameters, Segment};
 use boxes::Planes;
-use bytemuck::{Pod, Zeroable};
 use edges::{FINE, MAX_EDGES};
 use heapless::Vec;
 use tuning::{LEAST_SCORE, RIM_DEG, SEEN_DEG, SKY_SHARE, WIDEST_DEG};
@@ -41,6 +42,7 @@ use tuning::{LEAST_SCORE, RIM_DEG, SEEN_DEG, SKY_SHARE, WIDEST_DEG};
 pub const MAX_VERTICAL_SEGMENTS: usize = 512;
 /// Capacity of [`Buffers::boxes`] that suffices in built-up scenes.
 pub const MAX_BOXES: usize = 2048;
+
 /// Memory lent to a [`WindowFinder`]; its initial contents are ignored.
 #[derive(Debug)]
 pub struct Buffers<'a> {
@@ -54,58 +56,6 @@ pub struct Buffers<'a> {
     pub vertical_segments: &'a mut [VerticalSegment],
     /// Up to [`MAX_BOXES`] elements; fewer may truncate the result.
     pub boxes: &'a mut [WindowBox],
-}
-
-/// A window in the panorama.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Pod, Zeroable)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-#[repr(C)]
-pub struct Window {
-    /// First column and the one after the last, clockwise; the latter may exceed the number of columns.
-    pub columns: [u16; 2],
-    /// First row and the one after the last, downwards.
-    pub rows: [u16; 2],
-    /// Log odds that the box is a window.
-    #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
-    pub score: LogOdds,
-    /// Number of the camera whose axis is nearest to its middle.
-    pub camera: u16,
-}
-
-impl Window {
-    /// Initial value of buffers.
-    pub const EMPTY: Self = Self { columns: [0; 2], rows: [0; 2], score: LogOdds::ZERO, camera: 0 };
-
-    /// Azimuths of the right and the left edge, degrees counter-clockwise from the heading; the first in -180 to 180.
-    ///
-    /// ```
-    /// use compass_core::vision::panorama::Resolution;
-    /// use compass_core::vision::windows::Window;
-    ///
-    /// let window = Window { columns: [340, 380], rows: [50, 70], ..Window::EMPTY };
-    /// assert_eq!(window.azimuth_deg(Resolution::COARSE), [-10.0, 10.0]);
-    /// ```
-    #[must_use]
-    pub fn azimuth_deg(&self, resolution: Resolution) -> [f32; 2] {
-        let [left, right] = self.columns.map(|c| 180.0 - f32::from(c) / resolution.per_degree() as f32);
-        let turn = if right < -180.0 { 360.0 } else { 0.0 };
-        [right + turn, left + turn]
-    }
-
-    /// Elevations of sill and lintel, degrees.
-    ///
-    /// ```
-    /// use compass_core::vision::panorama::Resolution;
-    /// use compass_core::vision::windows::Window;
-    ///
-    /// let window = Window { columns: [340, 380], rows: [50, 70], ..Window::EMPTY };
-    /// assert_eq!(window.elevation_deg(Resolution::COARSE), [0.0, 10.0]);
-    /// ```
-    #[must_use]
-    pub fn elevation_deg(&self, resolution: Resolution) -> [f32; 2] {
-        let [top, bottom] = self.rows.map(|r| TOP_DEG as f32 - f32::from(r) / resolution.per_degree() as f32);
-        [bottom, top]
-    }
 }
 
 /// Window or wall per direction, as hit type and as log odds.
