@@ -1,5 +1,8 @@
 //! Why there is no pose.
 
+use crate::pose::MAX_POOL;
+use crate::pose::locate::MAX_REFINED;
+use crate::vision::boundary::MAX_CEILINGS;
 use core::fmt;
 
 /// Why the pipeline refuses what it was given, or cannot tell which way is up.
@@ -82,6 +85,23 @@ pub enum Field {
 }
 
 impl Field {
+    /// Least and most that it may be; the inlier tolerance at least 0.1 degrees.
+    #[must_use]
+    pub const fn range(self) -> [usize; 2] {
+        match self {
+            // Products with the sizes of elements fit 32 bits.
+            Self::Segments | Self::VerticalSegments | Self::Boxes | Self::Windows => [1, 65_536],
+            // With fewer poses the second best, which makes a probability honest, may be missing.
+            Self::Pool => [64, MAX_POOL],
+            Self::RefinedPoses => [8, MAX_REFINED],
+            Self::RefinedFully => [1, MAX_REFINED],
+            Self::InlierToleranceDeg => [0, 45],
+            Self::Ceilings => [1, MAX_CEILINGS],
+            // At least 10 of 360 rays are left.
+            Self::Rays => [4, 36],
+        }
+    }
+
     /// The name of the field.
     #[must_use]
     pub const fn name(self) -> &'static str {

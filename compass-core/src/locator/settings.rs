@@ -2,9 +2,9 @@
 
 use super::error::{Error, Field};
 use crate::pose::Headings;
+#[cfg(doc)]
 use crate::pose::MAX_POOL;
-use crate::pose::locate::{Effort, MAX_REFINED};
-use crate::vision::boundary::MAX_CEILINGS;
+use crate::pose::locate::Effort;
 use crate::vision::camera::Rig;
 use crate::vision::panorama::Resolution;
 
@@ -19,13 +19,6 @@ pub enum Smoothing {
     /// Those of the detector are kept: a byte a pixel of both cameras. The same bits as [`Again`](Self::Again).
     Kept,
 }
-
-/// Most elements of each kind: products with their sizes fit 32 bits.
-const MOST_ELEMENTS: usize = 65_536;
-/// Smallest pool: with fewer poses the second best, which makes a probability honest, may be missing.
-const LEAST_POOL: usize = 64;
-/// Fewest poses that are refined, for the same reason.
-const LEAST_REFINED: usize = 8;
 
 /// How the pipeline works. Start from a preset and change what differs.
 ///
@@ -112,26 +105,27 @@ impl Settings {
             (Field::Windows, self.windows),
         ];
         for (field, count) in counts {
-            in_range(field, count, [1, MOST_ELEMENTS])?;
+            in_range(field, count)?;
         }
-        in_range(Field::Pool, self.pool, [LEAST_POOL, MAX_POOL])?;
+        in_range(Field::Pool, self.pool)?;
         if self.inlier_tolerance_deg.is_some_and(|degrees| !(0.1..=45.0).contains(&degrees)) {
-            return Err(Error::Setting { field: Field::InlierToleranceDeg, range: [0, 45] });
+            return Err(refused(Field::InlierToleranceDeg));
         }
         [self.effort, self.effort_at_known_height].iter().try_for_each(check_effort)
     }
 
     /// The same, with counts that are too large cut down: the memory of settings that are refused has a size too.
     pub(super) const fn bounded(&self) -> Self {
-        const fn cut(count: usize, most: usize) -> usize {
+        const fn cut(field: Field, count: usize) -> usize {
+            let [_, most] = field.range();
             if count > most { most } else { count }
         }
         Self {
-            segments: cut(self.segments, MOST_ELEMENTS),
-            vertical_segments: cut(self.vertical_segments, MOST_ELEMENTS),
-            boxes: cut(self.boxes, MOST_ELEMENTS),
-            windows: cut(self.windows, MOST_ELEMENTS),
-            pool: cut(self.pool, MAX_POOL),
+            segments: cut(Field::Segments, self.segments),
+            vertical_segments: cut(Field::VerticalSegments, self.vertical_segments),
+            boxes: cut(Field::Boxes, self.boxes),
+            windows: cut(Field::Windows, self.windows),
+            pool: cut(Field::Pool, self.pool),
             ..*self
         }
     }
@@ -153,13 +147,18 @@ impl Settings {
     }
 }
 
-fn in_range(field: Field, value: usize, [least, most]: [usize; 2]) -> Result<(), Error> {
-    if (least..=most).contains(&value) { Ok(()) } else { Err(Error::Setting { field, range: [least, most] }) }
+const fn refused(field: Field) -> Error {
+    Error::Setting { field, range: field.range() }
+}
+
+fn in_range(field: Field, value: usize) -> Result<(), Error> {
+    let [least, most] = field.range();
+    if (least..=most).contains(&value) { Ok(()) } else { Err(refused(field)) }
 }
 
 fn check_effort(effort: &Effort) -> Result<(), Error> {
-    in_range(Field::RefinedPoses, effort.refined_poses, [LEAST_REFINED, MAX_REFINED])?;
-    in_range(Field::RefinedFully, effort.refined_fully, [1, MAX_REFINED])?;
-    in_range(Field::Ceilings, effort.ceilings, [1, MAX_CEILINGS])?;
-    in_range(Field::Rays, effort.rays, [4, 36])
+    in_range(Field::RefinedPoses, effort.refined_poses)?;
+    in_range(Field::RefinedFully, effort.refined_fully)?;
+    in_range(Field::Ceilings, effort.ceilings)?;
+    in_range(Field::Rays, effort.rays)
 }

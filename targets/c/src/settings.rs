@@ -2,10 +2,9 @@
 
 use crate::failure::Failure;
 use compass_core::Settings;
-use compass_core::locator::Smoothing;
-use compass_core::pose::locate::{Effort, MAX_REFINED};
-use compass_core::pose::{Headings, MAX_POOL};
-use compass_core::vision::boundary::MAX_CEILINGS;
+use compass_core::locator::{Field, Smoothing};
+use compass_core::pose::Headings;
+use compass_core::pose::locate::Effort;
 use compass_core::vision::panorama::Resolution;
 
 /// Where settings start.
@@ -86,16 +85,11 @@ pub struct CompassSettings {
     pub effort_at_known_height: CompassEffort,
 }
 
-/// Most elements of each kind: products with their sizes fit 32 bits.
-const MOST_ELEMENTS: u32 = 65_536;
-/// The search asks for as many.
-const LEAST_POOL: u32 = 64;
-/// Fewer refined poses may lack the second best, which a probability needs.
-const LEAST_REFINED: u32 = 8;
-/// Strides of rays that leave 10 of 360 at least.
-const RAYS: [u32; 2] = [4, 36];
-
-const _: () = assert!(MAX_REFINED == 48 && MAX_CEILINGS == 4 && MAX_POOL == 4096, "as the comments say");
+const _: () = {
+    let ([_, refined], [_, ceilings], [_, pool]) =
+        (Field::RefinedPoses.range(), Field::Ceilings.range(), Field::Pool.range());
+    assert!(refined == 48 && ceilings == 4 && pool == 4096, "as the comments say");
+};
 
 impl CompassSettings {
     /// The values of a preset; for another number settings that are refused.
@@ -151,14 +145,13 @@ impl CompassSettings {
     /// [`Failure::Preset`], [`Failure::Setting`].
     pub(crate) fn check(&self) -> Result<Settings, Failure> {
         let base = base(self.preset)?;
-        let count = |name, value| ranged(name, value, [1, MOST_ELEMENTS]);
         Ok(Settings {
             smoothing: self.smoothing()?,
-            segments: count("segments", self.segments)?,
-            vertical_segments: count("vertical_segments", self.vertical_segments)?,
-            boxes: count("boxes", self.boxes)?,
-            windows: count("windows", self.windows)?,
-            pool: ranged("pool", self.pool, [LEAST_POOL, MAX_POOL as u32])?,
+            segments: ranged("segments", self.segments, Field::Segments)?,
+            vertical_segments: ranged("vertical_segments", self.vertical_segments, Field::VerticalSegments)?,
+            boxes: ranged("boxes", self.boxes, Field::Boxes)?,
+            windows: ranged("windows", self.windows, Field::Windows)?,
+            pool: ranged("pool", self.pool, Field::Pool)?,
             headings: match self.headings {
                 40 => Headings::N40,
                 90 => Headings::N90,
@@ -202,12 +195,11 @@ impl CompassEffort {
     }
 
     fn check(&self) -> Result<Effort, Failure> {
-        let most = MAX_REFINED as u32;
         Ok(Effort {
-            refined_poses: ranged("effort.refined_poses", self.refined_poses.into(), [LEAST_REFINED, most])?,
-            refined_fully: ranged("effort.refined_fully", self.refined_fully.into(), [1, most])?,
-            ceilings: ranged("effort.ceilings", self.ceilings.into(), [1, MAX_CEILINGS as u32])?,
-            rays: ranged("effort.rays", self.rays.into(), RAYS)?,
+            refined_poses: ranged("effort.refined_poses", self.refined_poses.into(), Field::RefinedPoses)?,
+            refined_fully: ranged("effort.refined_fully", self.refined_fully.into(), Field::RefinedFully)?,
+            ceilings: ranged("effort.ceilings", self.ceilings.into(), Field::Ceilings)?,
+            rays: ranged("effort.rays", self.rays.into(), Field::Rays)?,
             finer_heights: flag("effort.finer_heights", self.finer_heights)?,
         })
     }
@@ -223,7 +215,8 @@ fn base(preset: AnyPreset) -> Result<Settings, Failure> {
     }
 }
 
-fn ranged(name: &'static str, value: u32, [least, most]: [u32; 2]) -> Result<usize, Failure> {
+fn ranged(name: &'static str, value: u32, field: Field) -> Result<usize, Failure> {
+    let [least, most] = field.range().map(|bound| bound as u32);
     if (least..=most).contains(&value) {
         Ok(value as usize)
     } else {
@@ -232,7 +225,10 @@ fn ranged(name: &'static str, value: u32, [least, most]: [u32; 2]) -> Result<usi
 }
 
 fn flag(name: &'static str, value: u8) -> Result<bool, Failure> {
-    ranged(name, value.into(), [0, 1]).map(|value| value == 1)
+    match value {
+        0 | 1 => Ok(value == 1),
+        _ => Err(Failure::Setting(name, 0, 1)),
+    }
 }
 
 #[cfg(test)]
