@@ -5,8 +5,7 @@ use crate::site_file::SiteFloor;
 use crate::wide::wide;
 use compass_core::base::raster::RgbImage;
 use compass_core::locator::{self, Frames, LAYERS_OF_A_SITE, Picture, Stage, Trace};
-use compass_core::pose::evidence::EvidenceTable;
-use compass_core::pose::{Alternatives, FloorLayer};
+use compass_core::pose::FloorLayer;
 use compass_core::vision::attitude::LEAST_INLIERS;
 use compass_core::vision::boundary::BoundaryEvidence;
 use compass_core::vision::camera::{Bearing, Rig};
@@ -178,11 +177,6 @@ impl<'a> Locator<'a> {
         windows: &WindowEvidence,
     ) -> Seen<'l, 'a> {
         self.0.recall(boundaries, windows)
-    }
-
-    /// Finds the poses that best explain the evidence that `fill` writes into an empty table.
-    pub fn explain(&mut self, fill: impl FnOnce(&mut EvidenceTable)) -> Alternatives {
-        self.0.explain(fill)
     }
 }
 

@@ -113,6 +113,13 @@ pub(crate) fn round_to_i8(value: f32) -> i8 {
     libm::roundf(value) as i8
 }
 
+/// Rounds to the nearest, ties away from zero; saturates beyond the range of `i16`, and NaN becomes 0.
+#[inline(always)]
+#[expect(clippy::cast_possible_truncation, reason = "a cast from a float saturates, as documented")]
+pub(crate) fn round_to_i16(value: f32) -> i16 {
+    libm::roundf(value) as i16
+}
+
 /// The index of a coordinate. A negative one gives an index beyond the end of every slice.
 #[inline(always)]
 #[expect(

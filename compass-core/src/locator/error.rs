@@ -2,7 +2,6 @@
 
 use crate::pose::MAX_POOL;
 use crate::pose::locate::MAX_REFINED;
-use crate::vision::boundary::MAX_CEILINGS;
 use core::fmt;
 
 /// Why the pipeline refuses what it was given, or cannot tell which way is up.
@@ -80,7 +79,6 @@ pub enum Field {
     InlierToleranceDeg,
     RefinedPoses,
     RefinedFully,
-    Ceilings,
     Rays,
 }
 
@@ -96,7 +94,6 @@ impl Field {
             Self::RefinedPoses => [8, MAX_REFINED],
             Self::RefinedFully => [1, MAX_REFINED],
             Self::InlierToleranceDeg => [0, 45],
-            Self::Ceilings => [1, MAX_CEILINGS],
             // At least 10 of 360 rays are left.
             Self::Rays => [4, 36],
         }
@@ -114,7 +111,6 @@ impl Field {
             Self::InlierToleranceDeg => "inlier_tolerance_deg",
             Self::RefinedPoses => "refined_poses",
             Self::RefinedFully => "refined_fully",
-            Self::Ceilings => "ceilings",
             Self::Rays => "rays",
         }
     }

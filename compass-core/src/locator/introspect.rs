@@ -3,10 +3,7 @@
 use super::Locator;
 use super::stages::{Levelled, Seen, arcs, collect_arcs};
 use super::trace::Trace;
-use crate::pose::Alternatives;
-use crate::pose::evidence::EvidenceTable;
 use crate::pose::heights::HeightPrior;
-use crate::pose::locate::explain;
 use crate::vision::attitude::{self, Arc, Axes};
 use crate::vision::boundary::{BoundaryEvidence, RangeLikelihoods};
 use crate::vision::windows::WindowEvidence;
@@ -19,27 +16,10 @@ impl<M: AsRef<[u32]> + AsMut<[u32]>, T: Trace, const LAYERS: usize> Locator<'_, 
         windows: &WindowEvidence,
     ) -> Seen<'l, Self> {
         self.found.windows = WindowEvidence { count: 0, ..windows.clone() };
-        self.found.known = *boundaries.known();
         if let Some(search) = self.memory_map().search(self.memory.as_mut()) {
-            search.support.iter_mut().zip(boundaries.cells()).for_each(|(cell, kept)| *cell = *kept);
+            search.evidence.iter_mut().zip(boundaries.cells()).for_each(|(cell, kept)| *cell = *kept);
         }
         Seen { locator: self }
-    }
-
-    /// The poses that explain some evidence best, which `fill` writes into an empty table: for evidence from elsewhere.
-    pub fn explain(&mut self, fill: impl FnOnce(&mut EvidenceTable)) -> Alternatives {
-        let Some(search) = self.memory_map().search(self.memory.as_mut()) else {
-            return Alternatives::nothing();
-        };
-        *search.table = EvidenceTable::EMPTY;
-        fill(search.table);
-        search.table.clamp();
-        explain(
-            search.table,
-            &self.layers,
-            (self.settings.headings, search.rows, search.pool),
-            self.settings.effort,
-        )
     }
 }
 
@@ -71,9 +51,9 @@ where
     /// The likelihoods of ranges, with the likeliest ceiling for what is known of the heights.
     #[must_use]
     pub fn range_likelihoods(&mut self, known: HeightPrior) -> Option<&RangeLikelihoods> {
-        let (layout, bins) = (self.locator.memory_map(), self.locator.found.known);
+        let layout = self.locator.memory_map();
         let search = layout.search(self.locator.memory.as_mut())?;
-        let boundaries = BoundaryEvidence::new(search.support, bins)?;
+        let boundaries = BoundaryEvidence::new(search.evidence)?;
         match known.ceiling_rungs() {
             Some(ceiling) => boundaries.ranges(ceiling, search.ranges),
             None => boundaries.likeliest(known.camera_rungs(), search.ranges),

@@ -2,6 +2,7 @@
 
 use super::error::Error;
 use super::settings::{Settings, Smoothing};
+use crate::base::num::CellNats;
 use crate::pose::PoolEntry;
 use crate::pose::evidence::EvidenceTable;
 use crate::vision::attitude::Arc;
@@ -154,11 +155,13 @@ impl Layout {
     }
 
     const fn boundary_words(&self) -> usize {
-        2 * of::<u8>(CELLS) + self.smoothing_words()
+        of::<CellNats>(CELLS)
+            + of::<u8>(CELLS)
+            + of::<boundary::Work>(1)
     }
 
     const fn search_words(&self) -> usize {
-        of::<u8>(CELLS)
+        of::<CellNats>(CELLS)
             + of::<RangeLikelihoods>(1)
             + of::<EvidenceTable>(1)
             + self.settings.headings.words()
@@ -215,13 +218,14 @@ impl Layout {
         Some(Look { kept, buffers, smoothing: self.smoothing(&mut rest)? })
     }
 
-    /// For the boundaries; the support lies where the [search](Self::search) finds it.
+    /// For the boundaries; the evidence lies where the [search](Self::search) finds it.
     #[inline(never)]
     pub(super) fn boundary<'m>(&self, memory: &'m mut [u32]) -> Option<Boundary<'m>> {
         let (kept, mut rest) = self.split(memory)?;
-        let support = rest.take(CELLS)?;
-        let edges = rest.take(CELLS)?;
-        Some(Boundary { smoothed: kept.smoothed, support, edges, smoothing: self.smoothing(&mut rest)? })
+        let evidence = rest.take(CELLS)?;
+        let gray = rest.take(CELLS)?;
+        let work = rest.one()?;
+        Some(Boundary { smoothed: kept.smoothed, evidence, gray, work })
     }
 
     #[inline(never)]
@@ -237,7 +241,7 @@ impl Layout {
     pub(super) fn search<'m>(&self, memory: &'m mut [u32]) -> Option<Search<'m>> {
         let (_, mut rest) = self.split(memory)?;
         Some(Search {
-            support: rest.take(CELLS)?,
+            evidence: rest.take(CELLS)?,
             ranges: rest.one()?,
             table: rest.one()?,
             rows: rest.words(self.settings.headings.words())?,
@@ -279,21 +283,21 @@ pub(super) type Scratch<'m> = (&'m mut [u8], &'m mut [u16]);
 #[derive(Debug)]
 pub(super) struct Boundary<'m> {
     pub(super) smoothed: [&'m mut [u8]; CAMERAS],
-    pub(super) support: &'m mut [u8],
-    pub(super) edges: &'m mut [u8],
-    pub(super) smoothing: Scratch<'m>,
+    pub(super) evidence: &'m mut [CellNats],
+    pub(super) gray: &'m mut [u8],
+    pub(super) work: &'m mut boundary::Work,
 }
 
 impl<'m> Boundary<'m> {
-    pub(super) fn buffers(self) -> (boundary::Buffers<'m>, [&'m mut [u8]; CAMERAS], Scratch<'m>) {
-        (boundary::Buffers { edges: self.edges, support: self.support }, self.smoothed, self.smoothing)
+    pub(super) fn buffers(self) -> (boundary::Buffers<'m>, [&'m mut [u8]; CAMERAS]) {
+        (boundary::Buffers { gray: self.gray, work: self.work, evidence: self.evidence }, self.smoothed)
     }
 }
 
 /// For the search.
 #[derive(Debug)]
 pub(super) struct Search<'m> {
-    pub(super) support: &'m mut [u8],
+    pub(super) evidence: &'m mut [CellNats],
     pub(super) ranges: &'m mut RangeLikelihoods,
     pub(super) table: &'m mut EvidenceTable,
     pub(super) rows: &'m mut [u32],

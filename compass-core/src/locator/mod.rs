@@ -30,7 +30,6 @@ pub use settings::{Settings, Smoothing};
 pub use stages::{Levelled, Seen, Segmented};
 pub use trace::{Picture, Stage, Trace};
 
-use crate::base::num::BINS;
 use crate::base::raster::GrayImage;
 use crate::map::plan::Plan;
 use crate::map::site::{Floor, MAX_FLOORS, Site};
@@ -95,13 +94,11 @@ struct Found {
     segments: [usize; CAMERAS],
     arcs: usize,
     windows: WindowEvidence,
-    /// Bins of which floor or ceiling was seen.
-    known: [bool; BINS],
 }
 
 impl Found {
     const NOTHING: Self =
-        Self { segments: [0; CAMERAS], arcs: 0, windows: WindowEvidence::NOTHING, known: [false; BINS] };
+        Self { segments: [0; CAMERAS], arcs: 0, windows: WindowEvidence::NOTHING };
 }
 
 impl<'a, M: AsRef<[u32]> + AsMut<[u32]>, const LAYERS: usize> Locator<'a, M, (), LAYERS> {

@@ -159,6 +159,5 @@ fn in_range(field: Field, value: usize) -> Result<(), Error> {
 fn check_effort(effort: &Effort) -> Result<(), Error> {
     in_range(Field::RefinedPoses, effort.refined_poses)?;
     in_range(Field::RefinedFully, effort.refined_fully)?;
-    in_range(Field::Ceilings, effort.ceilings)?;
     in_range(Field::Rays, effort.rays)
 }

@@ -5,9 +5,8 @@ use super::memory::{Layout, Look};
 use super::settings::Smoothing;
 use super::trace::{Picture, Stage, Trace};
 use super::{Found, Frames, Locator};
-use crate::base::num::BINS;
 use crate::base::raster::{BitMask, GrayImage};
-use crate::pose::evidence::{EvidenceTable, weigh};
+use crate::pose::evidence::{EvidenceTable, HitEvidence, weigh};
 use crate::pose::heights::{HeightPrior, Heights};
 use crate::pose::locate::{Work, locate};
 use crate::pose::track::{Estimate, Motion, Observation, Track};
@@ -163,10 +162,10 @@ where
     T: Trace,
 {
     fn trace_boundaries(self) -> Self {
-        let (layout, known) = (self.locator.memory_map(), self.locator.found.known);
+        let layout = self.locator.memory_map();
         let (trace, memory) = (&mut self.locator.trace, self.locator.memory.as_mut());
-        let support = layout.search(memory).and_then(|search| BoundaryEvidence::new(search.support, known));
-        if let Some(evidence) = support {
+        let evidence = layout.search(memory).and_then(|search| BoundaryEvidence::new(search.evidence));
+        if let Some(evidence) = evidence {
             trace.end(Stage::Boundaries, Picture::Boundaries(&evidence));
         }
         self
@@ -189,8 +188,8 @@ where
     /// Where floor and ceiling end, in every direction.
     #[must_use]
     pub fn boundaries(&mut self) -> Option<BoundaryEvidence<'_>> {
-        let (layout, known) = (self.locator.memory_map(), self.locator.found.known);
-        BoundaryEvidence::new(layout.search(self.locator.memory.as_mut())?.support, known)
+        let layout = self.locator.memory_map();
+        BoundaryEvidence::new(layout.search(self.locator.memory.as_mut())?.evidence)
     }
 
     /// The pose that explains best what was seen, over all layers.
@@ -202,7 +201,7 @@ where
         let effort = settings.effort(known.camera_m().is_some());
         let search = settings.layout(rig).search(memory.as_mut());
         let fix = search.and_then(|search| {
-            let boundaries = BoundaryEvidence::new(search.support, found.known)?;
+            let boundaries = BoundaryEvidence::new(search.evidence)?;
             let mut work = Work {
                 ranges: search.ranges,
                 table: search.table,
@@ -249,8 +248,8 @@ where
         let Locator { layers, settings, rig, found, memory, .. } = &mut *self.locator;
         let search = settings.layout(rig).search(memory.as_mut())?;
         let [camera, ceiling] = heights.to_rungs();
-        BoundaryEvidence::new(search.support, found.known)?.ranges(ceiling, search.ranges);
-        weigh(search.ranges, camera, &found.windows, search.table);
+        BoundaryEvidence::new(search.evidence)?.ranges(ceiling, search.ranges);
+        weigh(search.ranges, camera, &HitEvidence::new(&found.windows), search.table);
         Some(read(search.table, layers))
     }
 }
@@ -418,15 +417,14 @@ fn find_boundaries<M: AsMut<[u32]>, T, const LAYERS: usize>(
     frames: &Frames<'_>,
     frame: LevelFrame,
 ) {
-    let Locator { settings, rig, found, memory, .. } = locator;
-    found.known = [false; BINS];
+    let Locator { settings, rig, memory, .. } = locator;
     let Some(lent) = settings.layout(rig).boundary(memory.as_mut()) else { return };
-    let (buffers, kept, (pixels, row)) = lent.buffers();
+    let (buffers, kept) = lent.buffers();
     let Some(mut finder) = BoundaryFinder::new(buffers, rig, frame) else { return };
     for (camera, _) in rig.views() {
         let Some(frame) = frames.get(camera).and_then(Option::as_ref) else { continue };
-        let smoothed = smoothed(settings.smoothing, &frame.gray, kept.get(camera), pixels, row);
+        let smoothed = smoothed(settings.smoothing, &frame.gray, kept.get(camera), &mut [], &mut []);
         finder.add(camera, smoothed.as_ref().unwrap_or(&frame.gray), frame.excluded);
     }
-    found.known = *finder.finish().known();
+    let _ = finder.finish();
 }

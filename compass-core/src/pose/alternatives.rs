@@ -30,11 +30,6 @@ impl Alternatives {
         self.poses.first()
     }
 
-    /// The best score; [`Nats::MIN`] without a pose.
-    pub(crate) fn score(&self) -> Nats {
-        self.best().map_or(Nats::MIN, |pose| pose.score)
-    }
-
     /// Difference of the best and the second best score. Without a second pose it is the best score itself, which is
     /// relative to a table of zeros; without any pose it is 0.
     #[must_use]

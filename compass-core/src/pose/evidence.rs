@@ -12,8 +12,8 @@ pub const PLANES: usize = 2 * RANGE_RUNGS + 1;
 /// The plane of open directions: no wall and no window within the largest range.
 #[expect(clippy::cast_possible_truncation, reason = "the value is 144")]
 pub const OPEN_PLANE: u8 = 2 * RANGE_RUNGS as u8;
-/// Largest magnitude of a cell. The bits of a sum of 360 cells then fit 16 bits.
-pub const LIMIT: CellNats = CellNats::lit("5.5");
+/// Largest magnitude of a cell, 7.94 nats.
+pub const LIMIT: CellNats = CellNats::MAX;
 
 /// Log-likelihood ratios of what the plan can have in each direction: 145 planes x 360 bins, 52,200 bytes.
 ///
@@ -76,11 +76,6 @@ impl EvidenceTable {
         }
     }
 
-    /// Clamps all values to +-[`LIMIT`], for a table whose bytes came from elsewhere.
-    #[cfg(any(test, feature = "introspect"))]
-    pub(crate) fn clamp(&mut self) {
-        self.values.as_flattened_mut().iter_mut().for_each(|value| *value = clamped((*value).into()));
-    }
 
     /// The value in a direction at a range in march steps of 0.02 m, interpolated between two rungs linearly in the
     /// logarithm of the range. Ranges below rung 0 (0.4 m) give the value of rung 0.
@@ -182,14 +177,37 @@ const OUTLIERS: f32 = 0.1;
 /// Prior probability of a window in a direction of a plan.
 const WINDOWS: f32 = 0.3;
 /// Weight of the hit type relative to the range. Below 1 because the bins of one window have correlated errors.
-const WEIGHT: f32 = 0.7;
+const WEIGHT: f32 = 1.4;
+
+/// Log-likelihood ratios of window and wall, per direction.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct HitEvidence {
+    /// Of a wall in the plan; 0 where nothing is known.
+    pub wall: [CellNats; BINS],
+    /// Of a window in the plan; 0 where nothing is known.
+    pub window: [CellNats; BINS],
+}
+
+impl HitEvidence {
+    /// Log-likelihood ratios from the log odds of windows: of a window in the plan `WEIGHT ln((1 - OUTLIERS) p / WINDOWS +
+    /// OUTLIERS)`, with the probability p of a window; that of a wall has 1 - p and 1 - WINDOWS. Bins of confidence 0 have
+    /// none.
+    #[must_use]
+    pub fn new(windows: &WindowEvidence) -> Self {
+        let mut hits = Self { wall: [CellNats::ZERO; BINS], window: [CellNats::ZERO; BINS] };
+        let known = windows.confidence.sixteenths();
+        let cells = hits.window.iter_mut().zip(&mut hits.wall).zip(&windows.evidence).zip(known);
+        for (((window, wall), odds), known) in cells {
+            if *known > 0 {
+                [*window, *wall] = hit_ratios(*odds).map(clamped);
+            }
+        }
+        hits
+    }
+}
 
 /// Fills a table with the sum of the log-likelihood ratios of range and hit type, for a camera height in
-/// [rungs](crate::base::ladder::height_rungs).
-///
-/// The ratio of a window in the plan is `WEIGHT ln((1 - OUTLIERS) p / WINDOWS + OUTLIERS)`, with the probability p of a
-/// window from the log odds of [`WindowEvidence`]; that of a wall has 1 - p and 1 - WINDOWS. Bins of confidence 0 take
-/// part with their range alone, as does [`OPEN_PLANE`].
+/// [rungs](crate::base::ladder::height_rungs). [`OPEN_PLANE`] is 0.
 ///
 /// # Formats
 /// Sums are rounded to 1/16 nat and clamped to +-[`LIMIT`].
@@ -200,7 +218,7 @@ const WEIGHT: f32 = 0.7;
 /// ```
 /// use compass_core::base::confidence::Confidence;
 /// use compass_core::base::num::LogOdds;
-/// use compass_core::pose::evidence::{EvidenceTable, weigh};
+/// use compass_core::pose::evidence::{EvidenceTable, HitEvidence, weigh};
 /// use compass_core::vision::boundary::RangeLikelihoods;
 /// use compass_core::vision::windows::WindowEvidence;
 ///
@@ -210,36 +228,21 @@ const WEIGHT: f32 = 0.7;
 /// windows.confidence = Confidence::CERTAIN;
 /// windows.evidence = [LogOdds::from_num(4); 360];
 /// let mut table = Box::new(EvidenceTable::EMPTY);
-/// weigh(&ranges, 0, &windows, &mut table);
+/// weigh(&ranges, 0, &HitEvidence::new(&windows), &mut table);
 /// // Planes 0 and 72: wall and window at rung 0.
 /// assert!(table.get(0, 0) < 0 && table.get(72, 0) > 0);
 /// ```
-#[expect(clippy::cast_possible_truncation, reason = "planes are at most OPEN_PLANE")]
-pub fn weigh(ranges: &RangeLikelihoods, height: i8, windows: &WindowEvidence, table: &mut EvidenceTable) {
-    let mut window = [Nats::ZERO; BINS];
-    let mut wall = [Nats::ZERO; BINS];
-    let known = windows.confidence.sixteenths();
-    for (((window, wall), odds), known) in window.iter_mut().zip(&mut wall).zip(&windows.evidence).zip(known)
-    {
-        if *known > 0 {
-            [*window, *wall] = hit_ratios(*odds);
-        }
-    }
-    let mut row = [Nats::ZERO; BINS];
+#[expect(clippy::indexing_slicing, reason = "rungs are below `RANGE_RUNGS`")]
+pub fn weigh(ranges: &RangeLikelihoods, height: i8, hits: &HitEvidence, table: &mut EvidenceTable) {
     for rung in 0..RANGE_RUNGS {
         let range = ranges.row(rung, height);
-        for (plane, hit) in [(rung, &wall), (RANGE_RUNGS + rung, &window)] {
-            row.iter_mut()
-                .zip(range)
-                .zip(hit)
-                .for_each(|((sum, range), hit)| *sum = Nats::from(*range) + hit);
-            table.set_plane(plane as u8, &row);
+        for (plane, hit) in [(rung, &hits.wall), (RANGE_RUNGS + rung, &hits.window)] {
+            for ((sum, range), hit) in table.values[plane].iter_mut().zip(range).zip(hit) {
+                *sum = range.saturating_add(*hit);
+            }
         }
     }
-    row.iter_mut()
-        .zip(ranges.row(RANGE_RUNGS - 1, height))
-        .for_each(|(value, range)| *value = Nats::from(*range));
-    table.set_plane(OPEN_PLANE, &row);
+    table.values[2 * RANGE_RUNGS] = [CellNats::ZERO; BINS];
 }
 
 /// Log-likelihood ratios of a window and of a wall in the plan, from the log odds of a window.

@@ -5,13 +5,14 @@ use super::{Alternatives, FloorLayer, ScoredPose};
 use crate::base::num::Nats;
 use crate::base::pose::Pose;
 
-/// Margin from which a pose is accepted without a search at further ceiling heights.
-pub const SURE: Nats = Nats::lit("150");
+/// Probability from which a pose is [sure](Fix::is_sure).
+pub const SURE: f32 = 0.9;
 
-/// Log odds that a pose of margin 0 is wrong. Fitted together with [`LOG_ODDS_SLOPE`]: see [`Fix::probability`].
-const LOG_ODDS_WRONG: f32 = 14.02;
-/// Decrease of these log odds per unit of ln(1 + margin in nats).
-const LOG_ODDS_SLOPE: f32 = 3.26;
+/// Log odds that a pose is right: constant, factor of the logarithm of its score, and factor of the ratio of margin and
+/// score. See [`Fix::probability`].
+const LOG_ODDS: [f32; 3] = [-24.1, 3.39, 18.2];
+/// Smallest score, nats, in these log odds.
+const LEAST_SCORE: f32 = 50.0;
 
 /// The likeliest pose, its alternatives, and the heights of camera and ceiling estimated with it.
 ///
@@ -79,16 +80,11 @@ impl<'a> Fix<'a> {
 
     /// Estimated probability, 0 to 1, that the pose is within 1 m of the true one.
     ///
-    /// A logistic function of ln(1 + [margin](Self::margin)), fitted to 249 frame pairs of two storeys, 240 of them
-    /// simulated (`docs/design.md`). The score itself is a poor predictor, because the errors of neighbouring bins are
-    /// correlated. 0 for a score of 0 or less.
+    /// A logistic function of the score, which tells how well the plan explains the images at all, and of the
+    /// [margin](Self::margin) as a share of it. 0 for a score of 0 or less.
     #[must_use]
     pub fn probability(&self) -> f32 {
-        if self.best().is_none_or(|best| best.score <= Nats::ZERO) {
-            return 0.0;
-        }
-        let margin = self.margin().max(Nats::ZERO).to_num::<f32>();
-        1.0 / (1.0 + libm::expf(LOG_ODDS_WRONG - LOG_ODDS_SLOPE * libm::log1pf(margin)))
+        self.best().map_or(0.0, |best| probability_of(best.score, self.margin()))
     }
 
     /// Difference of the best and the second best score among poses that are separated; the best score itself without
@@ -98,10 +94,10 @@ impl<'a> Fix<'a> {
         self.alternatives.margin()
     }
 
-    /// Whether the margin reaches [`SURE`]: [`locate`](super::locate::locate()) then tries no further ceiling height.
+    /// Whether the [probability](Self::probability) reaches [`SURE`].
     #[must_use]
     pub fn is_sure(&self) -> bool {
-        self.margin() >= SURE
+        self.probability() >= SURE
     }
 
     /// Height of the camera above the floor, metres: the prior if it is known, else the estimate, quantized to 3 %.
@@ -134,9 +130,16 @@ impl<'a> Fix<'a> {
     pub fn poses(&self) -> &[ScoredPose] {
         self.alternatives.poses()
     }
+}
 
-    /// The score of the likeliest pose; [`Nats::MIN`] without one.
-    pub(super) fn score(&self) -> Nats {
-        self.alternatives.score()
+/// [`Fix::probability`] of a score and a margin.
+#[must_use]
+pub fn probability_of(score: Nats, margin: Nats) -> f32 {
+    if score <= Nats::ZERO {
+        return 0.0;
     }
+    let score = score.to_num::<f32>().max(LEAST_SCORE);
+    let margin = margin.max(Nats::ZERO).to_num::<f32>();
+    let odds = LOG_ODDS[0] + LOG_ODDS[1] * libm::logf(score) + LOG_ODDS[2] * margin / score;
+    1.0 / (1.0 + libm::expf(-odds))
 }

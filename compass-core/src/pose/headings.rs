@@ -1,12 +1,11 @@
 //! The number of headings of the search, chosen at run time.
 
-use super::evidence::EvidenceTable;
 use super::rows::Rows;
-use super::search::{FloorLayer, PoolEntry, search};
+use super::search::{FloorLayer, PoolEntry, Query, search};
 use core::fmt;
 
 /// Searches all candidates of all layers; returns the number of poses at the front of the pool.
-type Search = fn(&EvidenceTable, &mut [u32], &[FloorLayer<'_>], &mut [PoolEntry]) -> usize;
+type Search = fn(&Query<'_>, &mut [u32], &[FloorLayer<'_>], &mut [PoolEntry]) -> usize;
 
 /// Number of headings at which the search scores each candidate.
 ///
@@ -50,45 +49,20 @@ impl Headings {
     ///
     /// Returns the number of poses at the front of `pool`, by descending score; 0 if `words` is shorter than
     /// [`Headings::words`].
-    ///
-    /// ```
-    /// # use compass_core::Site;
-    /// # let bytes = std::fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/vectors/sample.site"))?;
-    /// # let site = Site::new(&bytes)?;
-    /// # let floor = site.floor(0).unwrap();
-    /// # use compass_core::pose::{EvidenceTable, FloorLayer, PoolEntry, plane_of};
-    /// # use compass_core::{Nats, Scan};
-    /// # let map = *floor.map();
-    /// # let layer = FloorLayer { map, number: 0, plan: floor.plan(0).unwrap(), floor: 0, name: floor.name() };
-    /// # let mut scan = Scan::OPEN;
-    /// # map.get(7).unwrap().scan(&mut scan);
-    /// # let mut table = Box::new(EvidenceTable::EMPTY);
-    /// # for (bin, (steps, hit)) in scan.steps.iter().zip(scan.hit).enumerate() {
-    /// #     table.set(plane_of(*steps, hit), bin, Nats::ONE);
-    /// # }
-    /// use compass_core::pose::Headings;
-    ///
-    /// // `table` is evidence of the scan of candidate 7.
-    /// let headings = Headings::N40;
-    /// let (mut words, mut pool) = (vec![0; headings.words()], [PoolEntry::EMPTY; 64]);
-    /// assert!(headings.search(&table, &mut words, &[layer], &mut pool) > 0);
-    /// assert_eq!(headings.search(&table, &mut [], &[layer], &mut pool), 0, "too few words");
-    /// # Ok::<(), Box<dyn core::error::Error>>(())
-    /// ```
     #[must_use]
     pub fn search(
         &self,
-        table: &EvidenceTable,
+        query: &Query<'_>,
         words: &mut [u32],
         layers: &[FloorLayer<'_>],
         pool: &mut [PoolEntry],
     ) -> usize {
-        (self.search)(table, words, layers, pool)
+        (self.search)(query, words, layers, pool)
     }
 }
 
 fn run<const N: usize>(
-    table: &EvidenceTable,
+    query: &Query<'_>,
     words: &mut [u32],
     layers: &[FloorLayer<'_>],
     pool: &mut [PoolEntry],
@@ -96,8 +70,9 @@ fn run<const N: usize>(
     let bytes: &mut [u8] = bytemuck::must_cast_slice_mut(words);
     let bytes = bytes.get_mut(..size_of::<Rows<N>>()).unwrap_or_default();
     let Ok(rows) = bytemuck::try_from_bytes_mut::<Rows<N>>(bytes) else { return 0 };
-    rows.set(table);
-    search(rows, layers, |_, _| true, pool)
+    let spacing_mm = layers.iter().map(|layer| layer.map.header().spacing_mm).max().unwrap_or(0);
+    rows.set(&query.boundaries, query.hits, spacing_mm as f32 / 1000.0);
+    search(rows, query.heights, layers, |_, _| true, pool)
 }
 
 impl PartialEq for Headings {

@@ -2,8 +2,10 @@
 //!
 //! Heights are quantized like ranges, in rungs of 6.3 %: an estimate is within half a rung, 3 %, of the optimum.
 
-use crate::base::ladder::{HEIGHTS_M, RUNG, height_m, height_rungs};
+use crate::base::ladder::{HEIGHTS_M, NOMINAL_HEIGHT_M, RUNG, height_m, height_rungs};
+use crate::base::num::round_to_i8;
 use crate::base::order;
+use core::ops::Range;
 use heapless::Vec;
 
 /// Number of frames whose heights are remembered; the medians over them are the prior.
@@ -48,17 +50,32 @@ impl Heights {
     }
 }
 
+/// Smallest and largest height of a ceiling above the floor, metres, unless more is known: rooms of homes and offices.
+pub const CEILING_M: [f32; 2] = [2.15, 3.7];
+/// Smallest height of a ceiling above the camera, metres.
+const LEAST_ABOVE_M: f32 = 0.6;
+/// Smallest and largest camera height that a search tries, metres, and that a refinement tries.
+const SEARCHED_M: [f32; 2] = [0.8, 2.1];
+const REFINED_M: [f32; 2] = [0.7, 2.15];
+
 /// Prior knowledge of the heights of camera and ceiling.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct HeightPrior {
     camera_m: Option<f32>,
     ceiling: Option<i8>,
+    ceiling_m: [f32; 2],
+}
+
+impl Default for HeightPrior {
+    fn default() -> Self {
+        Self::UNKNOWN
+    }
 }
 
 impl HeightPrior {
-    /// Neither height is known: both are searched.
-    pub const UNKNOWN: Self = Self { camera_m: None, ceiling: None };
+    /// Neither height is known: both are searched, the ceiling's within [`CEILING_M`].
+    pub const UNKNOWN: Self = Self { camera_m: None, ceiling: None, ceiling_m: CEILING_M };
 
     /// The height of the camera above the floor is known, metres. Values outside
     /// [`HEIGHTS_M`] are clamped to it; NaN is unknown.
@@ -75,7 +92,16 @@ impl HeightPrior {
     pub fn both(heights: Heights) -> Self {
         let [least, most] = HEIGHTS_M.map(height_rungs);
         let camera = heights.camera.clamp(least, most);
-        Self { camera_m: Some(height_m(camera)), ceiling: Some(heights.ceiling) }
+        Self { camera_m: Some(height_m(camera)), ceiling: Some(heights.ceiling), ..Self::UNKNOWN }
+    }
+
+    /// The same with other bounds of the height of the ceiling above the floor, metres: of halls, or of a storey whose height
+    /// the plan gives. Bounds are ordered and clamped to 1 to 12 m; NaN is the default.
+    #[must_use]
+    pub fn with_ceiling_between(self, [least, most]: [f32; 2]) -> Self {
+        let bound = |bound: f32, default: f32| if bound.is_nan() { default } else { bound.clamp(1.0, 12.0) };
+        let (least, most) = (bound(least, CEILING_M[0]), bound(most, CEILING_M[1]));
+        Self { ceiling_m: [least.min(most), most.max(least)], ..self }
     }
 
     /// Height of the camera above the floor, metres, if it is known.
@@ -85,6 +111,7 @@ impl HeightPrior {
     }
 
     /// Logarithm of (ceiling above the camera) / (camera above the floor), in rungs, if it is known.
+    #[cfg(any(test, feature = "introspect"))]
     pub(crate) const fn ceiling_rungs(&self) -> Option<i8> {
         self.ceiling
     }
@@ -93,6 +120,93 @@ impl HeightPrior {
     pub(crate) fn camera_rungs(&self) -> Option<i8> {
         self.camera_m.map(height_rungs)
     }
+}
+
+/// Heights of camera and ceiling that a search tries, in rungs of 6.3 % from 1.5 m: the camera's above the floor, and the
+/// ceiling's above the camera.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct HeightGrid {
+    cameras: Vec<i8, { Self::CAMERAS }>,
+    ceilings: Vec<i8, { Self::CEILINGS }>,
+    /// For each camera height, the first of the ceilings that leave a room within bounds, and the first beyond.
+    rooms: Vec<[u8; 2], { Self::CAMERAS }>,
+}
+
+impl HeightGrid {
+    /// Largest number of camera heights.
+    pub const CAMERAS: usize = 26;
+    /// Largest number of ceilings.
+    pub const CEILINGS: usize = 32;
+
+    /// The grid of the search: every second rung. A known camera height is tried with a rung to either side, because plan
+    /// scales and measurements err.
+    #[must_use]
+    pub fn coarse(prior: &HeightPrior) -> Self {
+        Self::new(prior, SEARCHED_M, 2)
+    }
+
+    /// The grid of refinement: every rung.
+    #[must_use]
+    pub fn fine(prior: &HeightPrior) -> Self {
+        Self::new(prior, REFINED_M, 1)
+    }
+
+    fn new(prior: &HeightPrior, cameras_m: [f32; 2], step: usize) -> Self {
+        let [least, most] = cameras_m.map(rungs);
+        let known = prior.camera_rungs();
+        let (cameras, step_of_cameras) = known.map_or((least..=most, step), |known| (known - 1..=known + 1, 1));
+        let mut grid = Self { cameras: Vec::new(), ceilings: Vec::new(), rooms: Vec::new() };
+        grid.cameras.extend(cameras.step_by(step_of_cameras).take(Self::CAMERAS));
+        let lowest = grid.cameras.first().map_or(NOMINAL_HEIGHT_M, |camera| height_m(*camera));
+        let above = match (known, prior.ceiling) {
+            (Some(camera), Some(ratio)) => {
+                let above = camera.saturating_add(ratio);
+                above.saturating_sub(1)..=above.saturating_add(1)
+            }
+            _ => rungs(LEAST_ABOVE_M)..=rungs((prior.ceiling_m[1] - lowest).max(LEAST_ABOVE_M)),
+        };
+        let step = if prior.ceiling.is_some() { 1 } else { step.max(above.len().div_ceil(Self::CEILINGS)) };
+        grid.ceilings.extend(above.step_by(step).take(Self::CEILINGS));
+        for camera in &grid.cameras {
+            let rooms = if prior.ceiling.is_some() { 0..grid.ceilings.len() } else { grid.within(*camera, prior) };
+            // Bounds are at most `CEILINGS`, and there are as many rooms as cameras.
+            let _ = grid.rooms.push([rooms.start, rooms.end].map(|bound| bound.min(Self::CEILINGS) as u8));
+        }
+        grid
+    }
+
+    /// The ceilings for a camera height that leave a room within bounds; at least one.
+    fn within(&self, camera: i8, prior: &HeightPrior) -> Range<usize> {
+        let camera_m = height_m(camera);
+        let [least, most] = prior.ceiling_m.map(|bound| rungs((bound - camera_m).max(LEAST_ABOVE_M)));
+        let start = self.ceilings.iter().take_while(|above| **above < least).count();
+        let start = start.min(self.ceilings.len().saturating_sub(1));
+        let end = self.ceilings.iter().take_while(|above| **above <= most).count();
+        start..end.max(start + 1)
+    }
+
+    /// Heights of the camera above the floor.
+    #[must_use]
+    pub fn cameras(&self) -> &[i8] {
+        &self.cameras
+    }
+
+    /// Heights of the ceiling above the camera.
+    #[must_use]
+    pub fn ceilings(&self) -> &[i8] {
+        &self.ceilings
+    }
+
+    /// The [`ceilings`](Self::ceilings) that go with one of the [`cameras`](Self::cameras).
+    #[must_use]
+    pub fn rooms(&self, camera: usize) -> Range<usize> {
+        self.rooms.get(camera).map_or(0..0, |[start, end]| usize::from(*start)..usize::from(*end))
+    }
+}
+
+/// A height in rungs from 1.5 m.
+fn rungs(height_m: f32) -> i8 {
+    round_to_i8(libm::logf(height_m / NOMINAL_HEIGHT_M) / RUNG)
 }
 
 /// Heights of camera and ceiling in the last 9 [sure](super::Fix::is_sure) frames of a sequence.

@@ -13,6 +13,7 @@
 //! Scores are integers. A direction whose cells are 0 does not change any score.
 
 mod alternatives;
+mod blur;
 pub mod evidence;
 mod fix;
 mod headings;
@@ -27,12 +28,12 @@ pub mod wall_check;
 
 pub use crate::base::pose::ScoredPose;
 pub use alternatives::{Alternatives, select_alternatives};
-pub use evidence::{EvidenceTable, LIMIT, OPEN_PLANE, PLANES, plane_of};
-pub use fix::{Fix, SURE};
+pub use evidence::{EvidenceTable, HitEvidence, LIMIT, OPEN_PLANE, PLANES, plane_of};
+pub use fix::{Fix, SURE, probability_of};
 pub use headings::Headings;
 pub use refine::{MAX_CASTS, refine, refine_coarse, refine_final, refine_fine};
-pub use rows::Rows;
-pub use search::{FloorLayer, MAX_POOL, PoolEntry, search};
+pub use rows::{Rows, Source};
+pub use search::{FloorLayer, MAX_POOL, PoolEntry, Query, search};
 
 #[cfg(test)]
 pub(crate) mod tests;

@@ -1,17 +1,20 @@
 //! Exhaustive search over candidates and headings, with non-maximum suppression.
 
-use super::rows::Rows;
+use super::evidence::HitEvidence;
+use super::heights::HeightGrid;
+use super::rows::{Rows, Source};
 use crate::base::num::{BINS, Nats, Point, Turn};
 use crate::base::order;
 use crate::base::pose::{Pose, ScoredPose, Separation};
 use crate::map::plan::Plan;
 use crate::map::site_map::{PACKED_SCAN_BYTES, SiteMap};
+use crate::vision::boundary::BoundaryEvidence;
 use bytemuck::{Pod, Zeroable};
 use core::cmp::Reverse;
 
 /// Smallest angle between the two headings kept per candidate, degrees.
 const SECOND_DEGREES: usize = Separation::ALTERNATIVES.turn.to_bin();
-/// Margin added to a [rough score](Rows::rough_top) before a candidate is rejected by it. With 30 nats no pose was lost on
+/// Margin added to a rough score before a candidate is rejected by it. With 30 nats no pose was lost on
 /// 129 frame pairs (`docs/design.md`).
 const SLACK: Nats = Nats::lit("30");
 
@@ -54,24 +57,31 @@ pub struct PoolEntry {
     heading: u32,
     /// Plan cell: column from the west, row from the south.
     cell: [u16; 2],
-    layer: u32,
+    layer: u8,
+    /// Height of the camera above the floor and of the ceiling above the camera, rungs.
+    heights: [i8; 2],
+    padding: u8,
 }
 
 impl PoolEntry {
     /// A place-holder of zero bytes.
-    pub const EMPTY: Self = Self { score: Nats::ZERO, heading: 0, cell: [0; 2], layer: 0 };
+    pub const EMPTY: Self = Self { score: Nats::ZERO, heading: 0, cell: [0; 2], layer: 0, heights: [0; 2], padding: 0 };
 
     /// The pose; `None` if the layer does not exist.
     #[must_use]
-    #[expect(clippy::cast_possible_truncation, reason = "the search numbers at most 256 layers")]
     pub fn pose(&self, layers: &[FloorLayer<'_>]) -> Option<ScoredPose> {
         let at = self.position(layers)?;
-        Some(ScoredPose { layer: self.layer as u8, at, heading: self.heading(), score: self.score })
+        Some(ScoredPose { layer: self.layer, at, heading: self.heading(), score: self.score })
+    }
+
+    /// Height of the camera above the floor and of the ceiling above the camera, rungs, that the pose has its score at.
+    pub(super) const fn heights(&self) -> [i8; 2] {
+        self.heights
     }
 
     fn position(&self, layers: &[FloorLayer<'_>]) -> Option<Point> {
         let [column, row] = self.cell;
-        Some(layers.get(self.layer as usize)?.map.header().grid.cell_centre(column, row))
+        Some(layers.get(usize::from(self.layer))?.map.header().grid.cell_centre(column, row))
     }
 
     const fn heading(&self) -> Turn {
@@ -85,7 +95,18 @@ impl PoolEntry {
     }
 }
 
-/// Scores the candidates of all layers at N headings, and keeps the best poses that are separated.
+/// What a search is for: the evidence of the images and the heights to try.
+#[derive(Debug, Clone, Copy)]
+pub struct Query<'a> {
+    /// Boundaries of floor and ceiling.
+    pub boundaries: BoundaryEvidence<'a>,
+    /// Window or wall.
+    pub hits: &'a HitEvidence,
+    /// Heights of camera and ceiling.
+    pub heights: &'a HeightGrid,
+}
+
+/// Scores the candidates of all layers at N headings and all heights, and keeps the best poses that are separated.
 ///
 /// Each candidate contributes its best heading, and the best one at least 20 degrees from that. `pool` keeps the entries
 /// of highest score; then non-maximum suppression drops those within 0.75 m and 15 degrees of a better one on the same
@@ -93,68 +114,46 @@ impl PoolEntry {
 ///
 /// `among` selects candidates by layer and number: `|_, _| true` for all. Only the first 256 layers are searched.
 ///
-/// A candidate is rejected early if its [rough score](Rows::rough_top) is more than 30 nats below the worst entry of a
-/// full pool. The rough score is an estimate, not a bound: a pose that belongs into the pool can be lost, though hardly
-/// the best one.
+/// A candidate is rejected early if its rough score is more than 30 nats below the worst entry of a full pool. The rough
+/// score is an estimate, not a bound: a pose that belongs into the pool can be lost, though hardly the best one.
 ///
 /// # Formats
-/// Headings are the multiples of 360 / N degrees. Scores are in 1/16 nat, scaled to 360 bins.
+/// Headings are the multiples of 360 / N degrees. Scores are in 1/16 nat, scaled to 360 bins. The score at a heading is that
+/// of the best heights of the grid: the sum of floor, ceiling and hit type.
 ///
 /// # Cost
-/// Per candidate N / 2 additions for each of N / 6 to N / 2 rough rays. Per candidate that is not rejected, 2 N additions
-/// for each run of equal planes: at most N runs; about 107 at N = 360 and 61 at N = 90 on an office floor. The suppression
-/// is quadratic in the size of the pool.
-///
-/// ```
-/// # use compass_core::Site;
-/// # let bytes = std::fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/vectors/sample.site"))?;
-/// # let site = Site::new(&bytes)?;
-/// # let floor = site.floor(0).unwrap();
-/// # use compass_core::pose::{EvidenceTable, FloorLayer, PoolEntry, Rows, plane_of, refine, search, select_alternatives};
-/// # use compass_core::{Nats, Scan, ScoredPose, Turn};
-/// # let map = *floor.map();
-/// # let layer = FloorLayer { map, number: 0, plan: floor.plan(0).unwrap(), floor: 0, name: floor.name() };
-/// # let mut scan = Scan::OPEN;
-/// # map.get(7).unwrap().scan(&mut scan);
-/// # let mut table = Box::new(EvidenceTable::EMPTY);
-/// # for (bin, (steps, hit)) in scan.steps.iter().zip(scan.hit).enumerate() {
-/// #     table.set(plane_of(*steps, hit), bin, Nats::ONE);
-/// # }
-/// // `table` is evidence of the scan of candidate 7, at heading 0.
-/// let mut rows = Box::new(Rows::<90>::BLANK);
-/// rows.set(&table);
-/// let mut pool = [PoolEntry::EMPTY; 64];
-/// let count = search(&rows, &[layer], |_, _| true, &mut pool);
-/// assert!(count > 1);
-/// let best = pool[0].pose(&[layer]).unwrap();
-/// assert_eq!((Some(best.at), best.heading), (map.position(7), Turn::ZERO));
-/// # Ok::<(), Box<dyn core::error::Error>>(())
-/// ```
+/// Per candidate and height N / 2 additions for each of N / 6 to N / 2 rough rays. Per candidate that is not rejected, and
+/// height, 2 N additions for each run of equal rays: at most N runs; about 107 at N = 360 and 61 at N = 90 on an office floor.
+/// The suppression is quadratic in the size of the pool.
 #[inline]
 #[expect(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "at most 360 headings")]
 pub fn search<const N: usize>(
     rows: &Rows<N>,
+    heights: &HeightGrid,
     layers: &[FloorLayer<'_>],
     among: impl Fn(u8, usize) -> bool,
     pool: &mut [PoolEntry],
 ) -> usize {
     let mut pool = Pool { slots: pool, used: 0 };
-    let mut scores = [0; N];
+    let mut scores = Scores::<N>::NONE;
     for (number, layer) in (0..=u8::MAX).zip(layers) {
         for candidate in (0..layer.map.len()).filter(|&candidate| among(number, candidate)) {
             let Some(packed) = layer.packed(candidate) else { continue };
-            let rough = rows.rough_top(packed);
-            if !pool.is_worth(Rows::<N>::of_360(rough).saturating_add(SLACK)) {
+            let rays = Rows::<N>::rough_rays(packed);
+            scores.fill(heights, N / 2, |source, out| rows.rough_scores(&rays, source, out));
+            if !pool.is_worth(Rows::<N>::of_360(scores.top(N / 2)).saturating_add(SLACK)) {
                 continue;
             }
-            rows.scores(&Rows::planes_of_packed(packed), &mut scores);
-            if pool.is_worth(Rows::<N>::of_360(top(&scores)))
+            let runs = Rows::<N>::runs_of(packed);
+            scores.fill(heights, N, |source, out| rows.scores(&runs, source, out));
+            if pool.is_worth(Rows::<N>::of_360(scores.top(N)))
                 && let Some(record) = layer.map.get(candidate)
             {
-                for (heading, score) in peaks(&scores) {
+                for (heading, score) in peaks(&scores.best) {
+                    let heights = scores.heights(heights, heading);
                     let heading = Turn::from_ratio(heading as i64, N as u32).to_bits();
-                    let (cell, layer) = (record.cell(), number.into());
-                    pool.insert(PoolEntry { score: Rows::<N>::of_360(score), heading, cell, layer });
+                    let (cell, layer, score) = (record.cell(), number, Rows::<N>::of_360(score));
+                    pool.insert(PoolEntry { score, heading, cell, layer, heights, padding: 0 });
                 }
             }
         }
@@ -162,8 +161,64 @@ pub fn search<const N: usize>(
     pool.suppress_near(layers)
 }
 
-fn top(scores: &[i16]) -> i16 {
-    scores.iter().fold(i16::MIN, |top, &score| top.max(score))
+/// Scores of a candidate at N headings by each source and height.
+struct Scores<const N: usize> {
+    cameras: [[i16; N]; HeightGrid::CAMERAS],
+    ceilings: [[i16; N]; HeightGrid::CEILINGS],
+    /// The sum at the best heights.
+    best: [i16; N],
+}
+
+impl<const N: usize> Scores<N> {
+    const NONE: Self = Self {
+        cameras: [[0; N]; HeightGrid::CAMERAS],
+        ceilings: [[0; N]; HeightGrid::CEILINGS],
+        best: [0; N],
+    };
+
+    /// Scores the first `headings` by each source, and their sums at the best heights.
+    #[inline]
+    fn fill(&mut self, grid: &HeightGrid, headings: usize, score: impl Fn(Source, &mut [i16; N])) {
+        for (scores, height) in self.cameras.iter_mut().zip(grid.cameras()) {
+            score(Source::Floor(*height), scores);
+        }
+        for (scores, height) in self.ceilings.iter_mut().zip(grid.ceilings()) {
+            score(Source::Ceiling(*height), scores);
+        }
+        let mut hits = [0; N];
+        score(Source::HitType, &mut hits);
+        let mut best = [i16::MIN; N];
+        for (camera, floor) in self.cameras.iter().enumerate().take(grid.cameras().len()) {
+            let mut above = [i16::MIN; N];
+            for ceiling in self.ceilings.get(grid.rooms(camera)).unwrap_or_default() {
+                for (above, ceiling) in above.iter_mut().zip(ceiling).take(headings) {
+                    *above = (*above).max(*ceiling);
+                }
+            }
+            for ((best, floor), above) in best.iter_mut().zip(floor).zip(above).take(headings) {
+                *best = (*best).max(floor.saturating_add(above));
+            }
+        }
+        for ((out, best), hits) in self.best.iter_mut().zip(best).zip(hits).take(headings) {
+            *out = best.saturating_add(hits);
+        }
+    }
+
+    fn top(&self, headings: usize) -> i16 {
+        self.best.iter().take(headings).fold(i16::MIN, |top, &score| top.max(score))
+    }
+
+    /// The heights that a heading has its score at.
+    fn heights(&self, grid: &HeightGrid, heading: usize) -> [i8; 2] {
+        let at = |scores: &[i16; N]| scores.get(heading).copied().unwrap_or(i16::MIN);
+        let pairs = self.cameras.iter().enumerate().zip(grid.cameras()).flat_map(|((camera, floor), height)| {
+            let ceilings = self.ceilings.iter().zip(grid.ceilings());
+            let rooms = grid.rooms(camera);
+            let rooms = ceilings.skip(rooms.start).take(rooms.len());
+            rooms.map(move |(above, ceiling)| (at(floor).saturating_add(at(above)), [*height, *ceiling]))
+        });
+        pairs.fold((i16::MIN, [0; 2]), |best, here| if here.0 > best.0 { here } else { best }).1
+    }
 }
 
 /// The best heading and the best one at least [`SECOND_DEGREES`] from it, with their scores; of equal ones the first.

@@ -7,12 +7,11 @@ use crate::frame::{Frame, SegmentDetector};
 use crate::plan_import::PlanRaster;
 use crate::reference::{attitude as reference, boundary as real};
 use crate::simulate::{Renderer, Scene, SceneOptions};
-use compass_core::base::ladder::RUNG;
-use compass_core::base::num::SupportNats;
+use compass_core::base::num::CellNats;
 use compass_core::base::raster::GrayImage;
 use compass_core::vision::attitude::{self, Arc, Parameters, UP_ERROR_DEG, UpHint};
 use compass_core::vision::boundary::{
-    self, BoundaryFinder, EDGE_LEVELS, EDGES_PPM, EVIDENCE_ERROR, RangeLikelihoods,
+    self, BoundaryFinder, EVIDENCE_PPM, EVIDENCE_ERROR, GRAY_LEVELS, GRAY_PPM,
 };
 use compass_core::vision::camera::{Bearing, Rig};
 use compass_core::vision::level_frame::LevelFrame;
@@ -31,10 +30,10 @@ const POSES: usize = 3;
 #[derive(Debug, Default)]
 struct Differences {
     up_deg: Vec<f64>,
-    /// Cells with equal edges, and all cells.
-    edges: [usize; 2],
-    evidence: Vec<f64>,
-    ratios: Vec<f64>,
+    /// Cells with equal gray levels, and all cells.
+    gray: [usize; 2],
+    /// Cells with equal evidence, and all cells.
+    evidence: [usize; 2],
 }
 
 /// Up vector, edges, their support and the likelihood of ranges at random interior poses of the plan. Each step of the
@@ -85,62 +84,42 @@ impl Differences {
     }
 
     fn add_ranges(&mut self, rig: &Rig, images: &[GrayImage<'_>; 2], level: LevelFrame) {
-        let [mut edges, mut support] = [(); 2].map(|()| vec![0; boundary::CELLS]);
-        // A finder dropped before it has finished leaves the raw edges.
-        let drawn = boundary_finder(rig, images, level, [&mut edges, &mut support]).map(drop);
-        let raw = edges.clone();
-        let known = |edge: &u8| (*edge > 0).then(|| f64::from(*edge) - 1.0);
-        let exact = real::edges(rig, images.each_ref().map(Some), level.up().cast());
-        for pair in raw.iter().map(known).zip(&exact) {
-            let (Some(core), Some(exact)) = pair else { continue };
-            let alike = (core - exact).abs() <= f64::from(EDGE_LEVELS);
-            self.edges = [self.edges[0] + usize::from(alike), self.edges[1] + 1];
+        let mut gray = vec![0; boundary::CELLS];
+        let mut work = Box::<boundary::Work>::default();
+        let mut evidence = vec![CellNats::ZERO; boundary::CELLS];
+        let buffers = boundary::Buffers { gray: &mut gray, work: &mut work, evidence: &mut evidence };
+        let Some(mut finder) = BoundaryFinder::new(buffers, rig, level) else { return };
+        for (camera, image) in images.iter().enumerate() {
+            finder.add(camera, image, ExclusionMask::Unknown);
         }
-        let mut ranges = Box::new(RangeLikelihoods::EMPTY);
-        if let (Some(()), Some(finder)) =
-            (drawn, boundary_finder(rig, images, level, [&mut edges, &mut support]))
-        {
-            finder.finish().likeliest(None, &mut ranges);
+        let _ = finder.finish();
+        let cells = real::gray_levels(rig, images.each_ref().map(Some), level.up().cast());
+        for (core, exact) in gray.iter().zip(&cells) {
+            let (true, Some((exact, _))) = (*core > 0, exact) else { continue };
+            count(&mut self.gray, f64::from(*core) - exact, f64::from(GRAY_LEVELS));
         }
-        let nats: Vec<_> = support.iter().map(|cell| f64::from(SupportNats::from_bits(*cell))).collect();
-        let exact = real::support(&raw.iter().map(known).collect::<Vec<_>>());
-        self.evidence.extend(nats.iter().zip(exact).map(|(core, exact)| (core - exact).abs()));
-        let ceiling = (ranges.ceiling_ratio().ln() / RUNG).round() as isize;
-        let exact = real::log_ratios(&nats, ceiling);
-        for (rung, exact) in exact.chunks_exact(real::BINS).enumerate() {
-            // At this height the core's rungs are the reference's.
-            let row = ranges.row(rung, LEAD).iter().zip(exact).enumerate();
-            let known = row.filter(|(bin, _)| ranges.knows(*bin));
-            self.ratios.extend(known.map(|(_, (core, exact))| (f64::from(*core) - exact).abs()));
+        // From the core's gray levels; the camera of each cell is that of the reference.
+        let raster: Vec<_> = gray
+            .iter()
+            .zip(&cells)
+            .map(|(core, exact)| (*core > 0).then(|| (f64::from(*core), exact.map_or(0, |exact| exact.1))))
+            .collect();
+        for (core, exact) in evidence.iter().zip(real::evidence(&raster)) {
+            count(&mut self.evidence, f64::from(*core) - exact, f64::from(EVIDENCE_ERROR));
         }
     }
 
     fn stages(self) -> Vec<Stage> {
-        let [alike, all] = self.edges;
-        let edges = Stage::share("boundary: edges alike within 2 gray levels", [alike, all], EDGES_PPM);
-        let bound = f64::from(EVIDENCE_ERROR);
         vec![
             Stage::at_most("attitude: up vector", "degrees", self.up_deg, f64::from(UP_ERROR_DEG)),
-            edges,
-            Stage::at_most("boundary: evidence of edges", "nat", self.evidence, bound),
-            Stage::at_most("boundary: log-likelihood ratio of ranges", "nat", self.ratios, bound),
+            Stage::share("boundary: gray levels alike within 2", self.gray, GRAY_PPM),
+            Stage::share("boundary: evidence alike within 0.25 nat", self.evidence, EVIDENCE_PPM),
         ]
     }
 }
 
-/// The height, in rungs, at which the ladder starts at rung 0.
-const LEAD: i8 = 9;
-
-/// A finder that has processed both frames.
-fn boundary_finder<'a, 'r>(
-    rig: &'r Rig,
-    images: &[GrayImage<'_>; 2],
-    level: LevelFrame,
-    [edges, support]: [&'a mut [u8]; 2],
-) -> Option<BoundaryFinder<'a, 'r>> {
-    let mut finder = BoundaryFinder::new(boundary::Buffers { edges, support }, rig, level)?;
-    for (camera, image) in images.iter().enumerate() {
-        finder.add(camera, image, ExclusionMask::Unknown);
-    }
-    Some(finder)
+/// Counts a difference: those within a bound, and all.
+fn count([alike, all]: &mut [usize; 2], difference: f64, bound: f64) {
+    *alike += usize::from(difference.abs() <= bound);
+    *all += 1;
 }

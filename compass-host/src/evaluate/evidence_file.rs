@@ -1,7 +1,7 @@
 //! The evidence of a frame as a gray image: one column per azimuth bin.
 //!
-//! Rows from the top: evidence of floor and ceiling boundaries by range rung, in the layout of [`BoundaryEvidence`]; a
-//! mask of known ranges and hit types; the log odds of a window: high byte, then low byte, of the bits of [`LogOdds`]
+//! Rows from the top: log-likelihood ratios of floor and ceiling boundaries in the layout of [`BoundaryEvidence`], in 1/16 nat
+//! plus 128; a mask of known hit types; the log odds of a window: high byte, then low byte, of the bits of [`LogOdds`]
 //! plus 2^15.
 
 use super::error::{EvaluateError, Result};
@@ -9,7 +9,7 @@ use crate::image_file::{self, Samples};
 use crate::locator::Seen;
 use crate::output::{OutputError, write_file};
 use compass_core::base::confidence::Confidence;
-use compass_core::base::num::{BINS, LogOdds};
+use compass_core::base::num::{BINS, CellNats, LogOdds};
 use compass_core::base::scan::Hit;
 use compass_core::vision::boundary::{BoundaryEvidence, CELLS};
 use compass_core::vision::windows::WindowEvidence;
@@ -17,9 +17,11 @@ use image::ImageEncoder as _;
 use std::path::Path;
 
 /// Rows below those of the boundary evidence.
-const EXTRA: usize = 4;
+const EXTRA: usize = 3;
 /// Rows of the image.
 const ROWS: usize = CELLS / BINS + EXTRA;
+/// Offset that makes log-likelihood ratios unsigned.
+const MIDDLE_OF_CELLS: i16 = 1 << 7;
 /// Offset that makes log odds unsigned.
 const MIDDLE: i32 = 1 << 15;
 
@@ -28,6 +30,8 @@ const MIDDLE: i32 = 1 << 15;
 pub struct Evidence {
     /// [`ROWS`] rows of [`BINS`] bytes.
     rows: Vec<u8>,
+    /// The first of them as log-likelihood ratios.
+    cells: Vec<CellNats>,
 }
 
 impl Evidence {
@@ -35,12 +39,13 @@ impl Evidence {
     #[must_use]
     pub fn new(boundaries: &BoundaryEvidence<'_>, windows: &WindowEvidence) -> Self {
         let odds = windows.evidence.map(|odds| (i32::from(odds.to_bits()) + MIDDLE) as u16);
-        let mut rows = boundaries.cells().to_vec();
-        rows.extend(boundaries.known().map(u8::from));
+        let cells = boundaries.cells().to_vec();
+        let byte = |cell: &CellNats| (i16::from(cell.to_bits()) + MIDDLE_OF_CELLS) as u8;
+        let mut rows: Vec<u8> = cells.iter().map(byte).collect();
         rows.extend(windows.confidence.sixteenths());
         rows.extend(odds.map(|odds| (odds >> 8) as u8));
         rows.extend(odds.map(|odds| odds as u8));
-        Self { rows }
+        Self { rows, cells }
     }
 
     /// The evidence of observed frames.
@@ -56,21 +61,19 @@ impl Evidence {
     /// The boundary evidence.
     #[must_use]
     pub fn boundaries(&self) -> BoundaryEvidence<'_> {
-        let known = self.row(0).map(|known| known > 0);
-        BoundaryEvidence::new(&self.rows[..CELLS], known)
-            .expect("the stored rows have the size of the evidence")
+        BoundaryEvidence::new(&self.cells).expect("the stored rows have the size of the evidence")
     }
 
     /// The window evidence by bin; the windows themselves are not stored.
     #[must_use]
     pub fn windows(&self) -> WindowEvidence {
-        let (high, low) = (self.row(2), self.row(3));
+        let (high, low) = (self.row(1), self.row(2));
         let evidence = std::array::from_fn(|bin| {
             LogOdds::from_bits((i32::from(high[bin]) * 256 + i32::from(low[bin]) - MIDDLE) as i16)
         });
         WindowEvidence {
             hit: evidence.map(|odds| if odds > LogOdds::ZERO { Hit::Window } else { Hit::Wall }),
-            confidence: Confidence::new(&self.row(1)),
+            confidence: Confidence::new(&self.row(0)),
             evidence,
             ..WindowEvidence::NOTHING
         }
@@ -104,7 +107,9 @@ impl Evidence {
         let (Samples::Gray(rows), true) = (picture.samples, size == (BINS, ROWS)) else {
             return Err(EvaluateError::NoEvidence(path.to_path_buf()));
         };
-        Ok(Self { rows })
+        let cell = |byte: &u8| CellNats::from_bits((i16::from(*byte) - MIDDLE_OF_CELLS) as i8);
+        let cells = rows[..CELLS].iter().map(cell).collect();
+        Ok(Self { rows, cells })
     }
 }
 
@@ -114,9 +119,8 @@ mod tests {
 
     #[test]
     fn what_was_seen_round_trips() {
-        let cells: Vec<u8> = (0..CELLS).map(|at| (at * at / 7) as u8).collect();
-        let known = std::array::from_fn(|bin| bin % 3 > 0);
-        let boundaries = BoundaryEvidence::new(&cells, known).unwrap();
+        let cells: Vec<_> = (0..CELLS).map(|at| CellNats::from_bits((at * at / 7) as i8)).collect();
+        let boundaries = BoundaryEvidence::new(&cells).unwrap();
         let evidence = std::array::from_fn(|bin| LogOdds::from_bits(bin as i16 * 5 - 1024));
         let windows = WindowEvidence {
             hit: evidence.map(|odds: LogOdds| if odds > LogOdds::ZERO { Hit::Window } else { Hit::Wall }),
@@ -129,7 +133,6 @@ mod tests {
         Evidence::new(&boundaries, &windows).write(&path).unwrap();
         let back = Evidence::read(&path).unwrap();
         assert_eq!(back.boundaries().cells(), boundaries.cells());
-        assert_eq!(back.boundaries().known(), boundaries.known());
         assert_eq!(back.windows(), windows);
     }
 }

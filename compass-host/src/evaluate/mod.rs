@@ -28,7 +28,7 @@ pub use evidence_file::Evidence;
 pub use frame_errors::FrameErrors;
 pub use job::Job;
 pub use journal::{Fingerprint, Journal};
-pub use oracle::sharp;
+pub use oracle::{perfect, sharp};
 pub use paper::Paper;
 pub use record::{Found, PAPER, Record};
 pub use row::{Judge, Misses, Row};

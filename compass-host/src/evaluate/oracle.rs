@@ -1,8 +1,12 @@
 //! Evidence computed from the plan itself.
 
+use super::Evidence;
+use compass_core::base::confidence::Confidence;
 use compass_core::base::ladder::RANGE_RUNGS;
-use compass_core::base::num::Nats;
-use compass_core::base::scan::Scan;
+use compass_core::base::num::{BINS, CellNats, LogOdds, Nats};
+use compass_core::base::scan::{Hit, Scan};
+use compass_core::vision::boundary::{BoundaryEvidence, CELLS, NOMINAL_ROW};
+use compass_core::vision::windows::WindowEvidence;
 use compass_core::pose::evidence::EvidenceTable;
 use compass_core::pose::{PLANES, plane_of};
 
@@ -22,6 +26,31 @@ pub fn sharp(scan: &Scan, table: &mut EvidenceTable) {
             table.set(plane, bin, (RIGHT - PER_RUNG * off).max(WRONG));
         }
     }
+}
+
+/// The evidence of an ideal observer of a scan from a camera 1.5 m above the floor: 2.5 nats for the boundary of the floor
+/// at the right row, decreasing with the distance in rungs, -1 nat elsewhere; and log odds of +-4 of the right hit type.
+#[must_use]
+pub fn perfect(scan: &Scan) -> Evidence {
+    let mut cells = vec![CellNats::ZERO; CELLS];
+    let rows = CELLS / BINS / 2;
+    let mut windows = WindowEvidence { hit: scan.hit, ..WindowEvidence::NOTHING };
+    let mut confidence = [0; BINS];
+    for (bin, (&steps, &hit)) in scan.steps.iter().zip(&scan.hit).enumerate() {
+        if hit == Hit::Open {
+            continue;
+        }
+        let seen = NOMINAL_ROW + 2 * usize::from(plane_of(steps, Hit::Wall));
+        for row in 0..rows {
+            let value = (RIGHT - PER_RUNG / 2 * row.abs_diff(seen) as i32).max(WRONG);
+            cells[row * BINS + bin] = CellNats::from_num(value);
+        }
+        confidence[bin] = 16;
+        windows.evidence[bin] = LogOdds::from_num(if hit == Hit::Window { 4 } else { -4 });
+    }
+    windows.confidence = Confidence::new(&confidence);
+    let boundaries = BoundaryEvidence::new(&cells).expect("as many cells as evidence has");
+    Evidence::new(&boundaries, &windows)
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use crate::up::UpFrom;
 use compass_core::base::num::{Metres, Nats, Point, Turn};
 use compass_core::descriptor::similarity::{Similarity, Weights};
-use compass_core::pose::{Alternatives, ScoredPose};
+use compass_core::pose::{ScoredPose, probability_of};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -86,8 +86,8 @@ impl From<&Found> for ScoredPose {
 impl Found {
     /// All poses of a result.
     #[must_use]
-    pub fn all(alternatives: &Alternatives) -> Vec<Self> {
-        alternatives.poses().iter().map(Self::from).collect()
+    pub fn all(poses: &[ScoredPose]) -> Vec<Self> {
+        poses.iter().map(Self::from).collect()
     }
 
     /// Position in metres.
@@ -109,5 +109,12 @@ impl Record {
     pub fn margin(&self) -> f64 {
         let score = |at: usize| self.single.get(at).map_or(Nats::ZERO, |found| Nats::from_bits(found.score));
         score(0).saturating_sub(score(1)).to_num()
+    }
+
+    /// Estimated probability that the best pose is right.
+    #[must_use]
+    pub fn probability(&self) -> f32 {
+        let score = self.single.first().map_or(Nats::ZERO, |found| Nats::from_bits(found.score));
+        probability_of(score, Nats::from_num(self.margin()))
     }
 }

@@ -14,7 +14,7 @@ use compass_core::base::num::Nats;
 use compass_core::pose::evidence::EvidenceTable;
 use compass_core::pose::heights::{HeightMemory, Heights};
 use compass_core::pose::track::{Estimate, Observation, Track};
-use compass_core::pose::{SURE as SURE_MARGIN, ScoredPose};
+use compass_core::pose::{SURE as SURE_FRAME, ScoredPose};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use std::time::Instant;
 
@@ -102,7 +102,7 @@ fn explain(
 ) -> (Vec<ScoredPose>, Heights) {
     let heights = Heights::from_rungs([record.height, record.ceiling]);
     let margin = Nats::from_num(record.margin());
-    if margin >= SURE_MARGIN {
+    if record.probability() >= SURE_FRAME {
         memory.learn(heights);
     } else if !memory.is_like(heights) {
         let fix = locator.recall(&evidence.boundaries(), &evidence.windows()).locate(memory.prior());

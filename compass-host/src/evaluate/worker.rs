@@ -174,7 +174,9 @@ impl<'a> Worker<'a> {
         if let Some((plan, at)) = plan.zip(at)
             && plan.scan(at, site::turn(truth.heading_deg()), &mut scan).is_ok()
         {
-            record.oracle = Found::all(&self.search.explain(|table| oracle::sharp(&scan, table)));
+            let perfect = oracle::perfect(&scan);
+            let mut seen = self.search.recall(&perfect.boundaries(), &perfect.windows());
+            record.oracle = Found::all(seen.locate(HeightPrior::camera(NOMINAL_HEIGHT_M)).poses());
         }
         clock.stage("oracle");
     }

@@ -1,6 +1,6 @@
-//! Ranges: edges across floor and ceiling by exact projection, their support and the likelihoods in real numbers.
+//! Boundaries of floor and ceiling in real numbers: gray levels by exact projection, and their evidence by the definition.
 //!
-//! A cell is a surface (floor, ceiling), a rung of log range and a bin of azimuth.
+//! A cell is a surface (floor, ceiling), a row of log range in steps of half a rung and a bin of azimuth.
 
 use super::camera::Camera;
 use compass_core::base::raster::GrayImage;
@@ -8,19 +8,19 @@ use compass_core::vision::camera::{Rig, View};
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 
-/// Rungs, bins, and cells of both surfaces.
-pub const RUNGS: usize = 90;
+/// Rows, bins, and cells of both surfaces.
+pub const ROWS: usize = 181;
 /// Azimuth bins.
 pub const BINS: usize = 360;
 /// Cells of both surfaces.
-pub const CELLS: usize = 2 * RUNGS * BINS;
+pub const CELLS: usize = 2 * ROWS * BINS;
 
-/// Ranges from 0.4 m to 30 m span 71 rungs; that of 0.4 m, at a height of 1.5 m, is number 9.
+/// Ranges from 0.4 m to 30 m span 71 rungs; row 0 lies 9.5 rungs before 0.4 m at a height of 1.5 m.
 const NEAREST_M: f64 = 0.4;
 const FARTHEST_M: f64 = 30.0;
 const LADDER: f64 = 72.0;
 const NOMINAL_M: f64 = 1.5;
-const LEAD: f64 = 9.0;
+const LEAD: f64 = 9.5;
 
 /// Distance at which the bearings of both cameras meet, metres, and largest angle from the axis, degrees.
 const MEETING_M: f64 = 6.0;
@@ -28,31 +28,25 @@ const RIM_DEG: f64 = 95.0;
 /// Samples in the mean over half a rung.
 const SAMPLES: u32 = 8;
 
-/// The strongest tenth of edges begins at a log of `ln 3`, but at no fewer gray levels than this.
-const LEAST_SCALE: f64 = 3.0;
-/// Evidence in nats for the log of a cell's own edge, and of each of its six neighbours' strongest: floor, ceiling.
-const WEIGHTS: [[f64; 2]; 2] = [[23.0, 23.0], [45.0, 74.0]];
-/// Share of directions without information about the plan.
-const OUTLIERS: f64 = 0.3;
+/// The gray level of a cell and the camera that sees it; `None` where unobserved.
+pub type Cell = Option<(f64, usize)>;
 
-/// Natural logarithm of the ratio of neighbouring rungs.
-fn rung() -> f64 {
-    (FARTHEST_M / NEAREST_M).ln() / (LADDER - 1.0)
+/// Natural logarithm of the range of a row in units of the height.
+fn log_range(row: f64) -> f64 {
+    (NEAREST_M / NOMINAL_M).ln() + (row / 2.0 - LEAD) * (FARTHEST_M / NEAREST_M).ln() / (LADDER - 1.0)
 }
 
-/// Edge strengths in gray levels of smoothed frames, `None` where unobserved.
+/// Gray levels of all cells.
 #[must_use]
-pub fn edges(rig: &Rig, images: [Option<&GrayImage<'_>>; 2], up: Vector3<f64>) -> Vec<Option<f64>> {
+pub fn gray_levels(rig: &Rig, images: [Option<&GrayImage<'_>>; 2], up: Vector3<f64>) -> Vec<Cell> {
     let up = up.normalize();
     let forward = (Vector3::z() - up * up.z).normalize();
     let axes = Matrix3::from_columns(&[forward, up.cross(&forward), up]);
     let calibrated = |(n, view): (usize, &View)| Some((n, Camera::from(&view.camera), *view, images[n]?));
     let cameras: Vec<_> = rig.views().filter_map(calibrated).collect();
-    // The gray level at the end of a rung: the camera that sees it, and its value.
-    let end = |surface: usize, rung_end: usize, azimuth_deg: f64| {
+    let level = |surface: usize, row: usize, azimuth_deg: f64| -> Cell {
         let at = |offset: f64| {
-            let u = (NEAREST_M / NOMINAL_M).ln() + (rung_end as f64 + offset - LEAD - 0.5) * rung();
-            let elevation = (-u).exp().atan() * if surface == 0 { -1.0 } else { 1.0 };
+            let elevation = (-log_range(row as f64 + offset)).exp().atan() * if surface == 0 { -1.0 } else { 1.0 };
             let ((sin_a, cos_a), (sin_e, cos_e)) = (azimuth_deg.to_radians().sin_cos(), elevation.sin_cos());
             axes * Vector3::new(cos_e * cos_a, cos_e * sin_a, sin_e) * MEETING_M
         };
@@ -66,21 +60,18 @@ pub fn edges(rig: &Rig, images: [Option<&GrayImage<'_>>; 2], up: Vector3<f64>) -
             return None;
         }
         let sample = |k: u32| {
-            let offset = (f64::from(k) + 0.5) / f64::from(SAMPLES) * 0.5 - 0.25;
+            let offset = (f64::from(k) + 0.5) / f64::from(SAMPLES) - 0.5;
             gray(image, camera.project(bearing(view, at(offset)).into())?)
         };
         let sum = (0..SAMPLES).map(sample).sum::<Option<f64>>()?;
-        Some((*number, sum / f64::from(SAMPLES)))
-    };
-    let edge = |surface: usize, rung: usize, azimuth_deg: f64| {
-        let (near, far) = (end(surface, rung, azimuth_deg)?, end(surface, rung + 1, azimuth_deg)?);
-        (near.0 == far.0).then(|| (near.1 - far.1).abs())
+        Some((sum / f64::from(SAMPLES), *number))
     };
     let cell = |index: usize| {
-        let (surface, rung, bin) = (index / (RUNGS * BINS), index / BINS % RUNGS, index % BINS);
+        let (surface, row, bin) = (index / (ROWS * BINS), index / BINS % ROWS, index % BINS);
         let samples: Vec<_> =
-            [-0.25, 0.25].iter().filter_map(|off| edge(surface, rung, bin as f64 + off)).collect();
-        (!samples.is_empty()).then(|| samples.iter().sum::<f64>() / samples.len() as f64)
+            [-0.25, 0.25].iter().filter_map(|off| level(surface, row, bin as f64 + off)).collect();
+        let mean = samples.iter().map(|sample| sample.0).sum::<f64>() / samples.len() as f64;
+        samples.last().map(|last| (mean, last.1))
     };
     (0..CELLS).into_par_iter().map(cell).collect()
 }
@@ -98,54 +89,141 @@ fn gray(image: &GrayImage<'_>, [x, y]: [f64; 2]) -> Option<f64> {
     Some(across(0.0) * (1.0 - v) + across(1.0) * v)
 }
 
-/// Evidence of every cell in nats, from edges in gray levels: `ln(1 + 2 edge / scale)` of its own edge and of the
-/// strongest ones within reach in the neighbouring bins.
+/// Slopes of boundaries, rungs per degree.
+const SLOPES: [f64; 7] = [0.0, 0.25, -0.25, 0.6, -0.6, 1.2, -1.2];
+/// Weights of the logarithms of strength and significance at widths of 1 and 4 rows, of the regions nearer and farther, and
+/// of u and u^2.
+const FLOOR_BY_REGION: [f64; 8] = [2.93, 1.69, -1.33, 0.54, 1.09, 1.01, 2.75, -3.31];
+const FLOOR: [f64; 8] = [3.60, 0.0, 1.61, 0.0, 0.0, 0.0, 3.25, -4.69];
+const CEILING: [f64; 8] = [2.64, 3.39, -1.65, 0.23, 0.0, 0.0, 1.91, -4.70];
+/// Probability of the image's boundary by its distance from the plan's, rows, and the first distance.
+const FLOOR_TOLERANCE: (isize, &[f64]) =
+    (-3, &[0.03, 0.05, 0.10, 0.15, 0.16, 0.15, 0.12, 0.08, 0.06, 0.04, 0.03, 0.03]);
+const CEILING_TOLERANCE: (isize, &[f64]) = (-4, &[0.04, 0.08, 0.12, 0.16, 0.20, 0.16, 0.12, 0.08, 0.04]);
+
+/// Evidence of every cell in nats, from its gray level.
 #[must_use]
-pub fn support(edges: &[Option<f64>]) -> Vec<f64> {
-    let mut known: Vec<f64> = edges.iter().flatten().copied().collect();
-    known.sort_by(f64::total_cmp);
-    let scale = known.get(known.len() / 100 * 90).copied().unwrap_or(0.0).max(LEAST_SCALE);
-    let log = |edge: &Option<f64>| edge.map_or(0.0, |edge| (2.0 * edge / scale).ln_1p());
-    let logs: Vec<f64> = edges.iter().map(log).collect();
-    let at = |surface: usize, rung: isize, bin: isize| {
-        let rung = usize::try_from(rung).ok().filter(|rung| *rung < RUNGS);
-        let bin = bin.rem_euclid(BINS as isize) as usize;
-        rung.map_or(0.0, |rung| logs[(surface * RUNGS + rung) * BINS + bin])
-    };
-    let cell = |index: usize| {
-        let (surface, rung, bin) = (index / (RUNGS * BINS), index / BINS % RUNGS, index % BINS);
-        let (rung, bin) = (rung as isize, bin as isize);
-        let strongest = |beside: isize| {
-            let reach = beside.abs();
-            (-reach..=reach).map(|k| at(surface, rung + k, bin + beside)).fold(0.0, f64::max)
-        };
-        let others: f64 = [-3, -2, -1, 1, 2, 3].into_iter().map(strongest).sum();
-        let [own, other] = WEIGHTS[surface];
-        // 32 units of log, 1/256 of 1/16 nat each.
-        ((own * at(surface, rung, bin) + other * others) * 32.0 / 256.0 / 16.0).min(255.0 / 16.0)
-    };
-    (0..CELLS).map(cell).collect()
+pub fn evidence(cells: &[Cell]) -> Vec<f64> {
+    let (floor, ceiling) = cells.split_at(ROWS * BINS);
+    let region = region(floor, ceiling);
+    let mut evidence = surface(floor, &[FLOOR_BY_REGION, FLOOR], &region, FLOOR_TOLERANCE);
+    evidence.extend(surface(ceiling, &[CEILING], &region, CEILING_TOLERANCE));
+    evidence
 }
 
-/// Log-likelihood ratios in nats by rung and bin, from the evidence in nats, for a ceiling that is higher above the
-/// camera than the floor is below it by a number of rungs.
-#[must_use]
-pub fn log_ratios(evidence: &[f64], ceiling: isize) -> Vec<f64> {
-    let total = |rung: usize, bin: usize| {
-        let above = usize::try_from(rung as isize - ceiling).ok().filter(|rung| *rung < RUNGS);
-        let above = above.map_or(0.0, |above| evidence[(RUNGS + above) * BINS + bin]);
-        let x = 2.0 * (rung as f64 - LEAD) / (LADDER - 1.0) - 1.0;
-        evidence[rung * BINS + bin] + above + 1.3 * x - 2.87 * x * x
+fn surface(
+    cells: &[Cell],
+    variants: &[[f64; 8]],
+    region: &(impl Fn(f64) -> f64 + Sync),
+    (least, tolerance): (isize, &[f64]),
+) -> Vec<f64> {
+    let at = |row: isize, bin: isize| {
+        let bin = bin.rem_euclid(BINS as isize) as usize;
+        usize::try_from(row).ok().filter(|row| *row < ROWS).and_then(|row| cells[row * BINS + bin])
     };
-    let mut ratios = vec![0.0; RUNGS * BINS];
-    for bin in 0..BINS {
-        let totals: Vec<f64> = (0..RUNGS).map(|rung| total(rung, bin)).collect();
-        let best = totals.iter().copied().fold(f64::MIN, f64::max);
-        let sum: f64 = totals.iter().map(|total| (total - best).exp()).sum();
-        for (rung, total) in totals.iter().enumerate() {
-            let share = (total - best).exp() / sum;
-            ratios[rung * BINS + bin] = ((1.0 - OUTLIERS) * LADDER * share + OUTLIERS).ln();
+    let differences = [1, 4].map(|width: isize| -> Vec<Option<f64>> {
+        let difference = |index: usize| {
+            let (row, bin) = ((index / BINS) as isize, (index % BINS) as isize);
+            let all: Option<Vec<_>> = (-width..=width).map(|k| at(row + k, bin)).collect();
+            let all = all?;
+            let sum: f64 = (1..=width as usize).map(|k| all[width as usize + k].0 - all[width as usize - k].0).sum();
+            (all[0].1 == all[all.len() - 1].1).then_some(sum / width as f64)
+        };
+        (0..ROWS * BINS).map(difference).collect()
+    });
+    // Strength and significance along a slope.
+    let oriented = |width: usize, row: usize, bin: usize, slope: f64| {
+        let taps = (-3_isize..=3).filter_map(|k| {
+            let row = usize::try_from(row as isize + (2.0 * slope * k as f64).round() as isize).ok()?;
+            let bin = (bin as isize + k).rem_euclid(BINS as isize) as usize;
+            differences[width].get(row * BINS + bin).copied().flatten()
+        });
+        let taps: Vec<f64> = taps.collect();
+        if taps.len() < 3 {
+            return [0.0; 2];
+        }
+        let n = taps.len() as f64;
+        let mean = taps.iter().sum::<f64>() / n;
+        let variance = taps.iter().map(|tap| tap * tap).sum::<f64>() / n - mean * mean;
+        [mean.abs(), mean.abs() / (variance.max(0.0) / n + 0.35 * 0.35).sqrt()]
+    };
+    let scales = [0, 1].map(|width| {
+        let level = (0..ROWS * BINS).map(|index| oriented(width, index / BINS, index % BINS, 0.0)[0]);
+        let mut strengths: Vec<f64> = level.filter(|strength| *strength > 0.0).collect();
+        strengths.sort_by(f64::total_cmp);
+        strengths.get(strengths.len() / 10 * 9).copied().unwrap_or(0.0).max(1.0)
+    });
+    let ratio = |row: isize, bin: usize| {
+        let three = (-1..=1).map(|k| at(row, bin as isize + k).map_or(0.0, |cell| region(cell.0)));
+        three.sum::<f64>() / 3.0
+    };
+    let column = |bin: usize| -> Vec<f64> {
+        let mass = |variant: &[f64; 8]| -> Vec<f64> {
+            let of_row = |row: usize| {
+                cells[row * BINS + bin].map_or(0.0, |_| {
+                    let u = 2.0 * row as f64 / (ROWS as f64 - 1.0) - 1.0;
+                    let near: f64 = (1..=8).map(|k| ratio(row as isize - k, bin)).sum::<f64>() / 8.0;
+                    let far: f64 = (1..=8).map(|k| -ratio(row as isize + k, bin)).sum::<f64>() / 8.0;
+                    let sum_over_slopes = SLOPES.iter().map(|slope| {
+                        let [g1, t1] = oriented(0, row, bin, *slope);
+                        let [g4, t4] = oriented(1, row, bin, *slope);
+                        let logs = [2.0 * g1 / scales[0], t1, 2.0 * g4 / scales[1], t4].map(f64::ln_1p);
+                        let features = [logs[0], logs[1], logs[2], logs[3], near, far, u, u * u];
+                        features.iter().zip(variant).map(|(f, w)| f * w).sum::<f64>().exp()
+                    });
+                    sum_over_slopes.sum()
+                })
+            };
+            let mass: Vec<f64> = (0..ROWS).map(of_row).collect();
+            let whole: f64 = mass.iter().sum();
+            mass.iter().map(|m| if whole > 0.0 { m / whole } else { 0.0 }).collect()
+        };
+        let variants: Vec<_> = variants.iter().map(mass).collect();
+        let known = (0..ROWS).filter(|row| cells[row * BINS + bin].is_some()).count();
+        let value = |row: usize| {
+            let spread = tolerance.iter().zip(least..).map(|(share, distance)| {
+                let row = row.checked_add_signed(distance).filter(|row| *row < ROWS);
+                row.map_or(0.0, |row| variants.iter().map(|v| share * v[row]).sum::<f64>() / variants.len() as f64)
+            });
+            if known < 60 { 0.0 } else { (0.5 * 144.0 * spread.sum::<f64>() + 0.5).ln() }
+        };
+        (0..ROWS).map(value).collect()
+    };
+    let columns: Vec<Vec<f64>> = (0..BINS).into_par_iter().map(column).collect();
+    (0..ROWS * BINS).map(|index| columns[index % BINS][index / BINS]).collect()
+}
+
+/// Gray levels of a bin of a histogram, and bins.
+const STEP: f64 = 22.0;
+const HISTOGRAM: usize = 12;
+
+/// Log-likelihood ratio of "floor" against "wall" by gray level.
+fn region(floor: &[Cell], ceiling: &[Cell]) -> impl Fn(f64) -> f64 + Sync + use<> {
+    let near = histogram(&[(floor, 38.0..=62.0)]);
+    let far = histogram(&[(floor, 1.5..=8.0), (ceiling, 1.5..=14.0)]);
+    let of_bin: Vec<f64> =
+        near.iter().zip(far).map(|(a, b)| ((a + 0.0014) / (b + 0.0014)).ln().clamp(-1.5, 1.5)).collect();
+    move |gray| {
+        let position = gray / STEP + 0.5;
+        let below = (position.floor() as isize - 1).max(0) as usize;
+        let above = (position.floor() as usize).min(HISTOGRAM - 1);
+        of_bin[below] + (of_bin[above] - of_bin[below]) * position.fract()
+    }
+}
+
+fn histogram(parts: &[(&[Cell], std::ops::RangeInclusive<f64>)]) -> [f64; HISTOGRAM] {
+    let mut counts = [0.0; HISTOGRAM];
+    for (cells, degrees) in parts {
+        for (index, cell) in cells.iter().enumerate() {
+            let cot = log_range((index / BINS) as f64).exp();
+            if let (Some((gray, _)), true) = (cell, degrees.contains(&(1.0 / cot).atan().to_degrees())) {
+                counts[(gray / STEP) as usize] += cot / (1.0 + cot * cot);
+            }
         }
     }
-    ratios
+    let whole: f64 = counts.iter().sum::<f64>().max(f64::MIN_POSITIVE);
+    std::array::from_fn(|bin| {
+        let at = |bin: usize| counts.get(bin).copied().unwrap_or(0.0);
+        (at(bin.wrapping_sub(1)) + 2.0 * at(bin) + at(bin + 1)) / (4.0 * whole)
+    })
 }

@@ -1,20 +1,34 @@
 //! The raster of surface, log range and azimuth that boundaries are sought on.
 
-#[cfg(doc)]
-use super::Buffers;
+use crate::base::ladder::{NEAREST_LOG, RUNG};
 #[cfg(doc)]
 use crate::base::ladder::NOMINAL_HEIGHT_M;
-use crate::base::ladder::{NEAREST_LOG, RUNG};
-use crate::base::num::BINS;
+use crate::base::num::{BINS, count_as_i32};
 
-/// Rungs of the raster: log range in units of the camera height.
-pub const RUNGS: usize = 90;
+/// Rows of a surface: log range in units of the height of the camera below the ceiling or above the floor, in steps of half
+/// a rung, nearest first.
+pub const ROWS: usize = 181;
 /// Number of surfaces: floor, ceiling.
 pub(super) const SURFACES: usize = 2;
-/// Natural logarithm of the near end of rung 0 in units of the camera height: for [`NOMINAL_HEIGHT_M`] the middle of rung
-/// [`LEAD`] is rung 0 of the range ladder.
-pub(super) const DEEPEST: f32 = NEAREST_LOG - (LEAD as f32 + 0.5) * RUNG;
-/// Rungs below rung 0 of the range ladder, for the nominal height.
+/// Rungs below rung 0 of the range ladder, for [`NOMINAL_HEIGHT_M`].
 pub(super) const LEAD: usize = 9;
-/// Bytes of [`Buffers::edges`] and of [`Buffers::support`].
-pub const CELLS: usize = SURFACES * RUNGS * BINS;
+/// Natural logarithm of the range of row 0 in units of the height: for [`NOMINAL_HEIGHT_M`] rung 0 of the range ladder is
+/// row `2 LEAD + 1`.
+pub(super) const DEEPEST: f32 = NEAREST_LOG - (LEAD as f32 + 0.5) * RUNG;
+/// The row of rung 0 of the range ladder for [`NOMINAL_HEIGHT_M`]; those of the next rungs are every second row.
+pub const NOMINAL_ROW: usize = 2 * LEAD + 1;
+/// Cells of both surfaces: floor first, then by row and bin.
+pub const CELLS: usize = SURFACES * ROWS * BINS;
+
+/// The row of a rung of the range ladder for a height in rungs, or `None` outside the raster.
+#[must_use]
+pub(crate) fn row_of(rung: i32, height: i32) -> Option<usize> {
+    half_row_of(2 * rung, height)
+}
+
+/// The row of half a rung of the range ladder for a height in rungs, or `None` outside the raster.
+#[must_use]
+pub(crate) fn half_row_of(half_rungs: i32, height: i32) -> Option<usize> {
+    let row = half_rungs + 2 * (count_as_i32(LEAD) - height) + 1;
+    usize::try_from(row).ok().filter(|row| *row < ROWS)
+}

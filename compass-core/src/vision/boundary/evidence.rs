@@ -1,170 +1,118 @@
-//! Evidence of the boundaries of floor and ceiling, and the vote for the height of the ceiling.
+//! Evidence of the boundaries of floor and ceiling.
 
-use super::cells::{CELLS, RUNGS};
+use super::cells::{CELLS, ROWS};
 use super::ranges::{self, RangeLikelihoods};
 use super::tuning::CEILINGS;
 use crate::base::ladder::height_m;
-use crate::base::num::{BINS, Nats};
-use core::cmp::Reverse;
-use heapless::Vec;
+use crate::base::num::{BINS, CellNats, Nats};
 
-/// Largest number of ceiling heights that [`BoundaryEvidence::ceilings`] returns.
-pub const MAX_CEILINGS: usize = 4;
-
-/// Evidence of boundaries of the floor and of the ceiling, per direction and rung.
+/// Log-likelihood ratios of a boundary of the floor and of the ceiling, per direction and row of log range.
 ///
-/// Sills, lintels and beams also vote for a ceiling, at another height; only the plan can decide between them. Therefore
-/// there are several [`ceilings`](Self::ceilings), each with its own [`ranges`](Self::ranges).
+/// Floor and ceiling are independent sources, each in units of its own height: the camera's above the floor, the ceiling's
+/// above the camera. Their sum for two heights is [`RangeLikelihoods`].
+///
+/// # Formats
+/// Cells in [`CellNats`]: -0.7 to 4.3 nats, and 0 in a bin of which too little was seen. Row i lies at a log range of `ln(0.4 /
+/// 1.5) + (i / 2 - 9.5) 0.0608` in units of the height.
 #[derive(Debug, Clone, Copy)]
 pub struct BoundaryEvidence<'a> {
-    cells: &'a [u8],
-    known: [bool; BINS],
+    cells: &'a [CellNats],
 }
 
 impl<'a> BoundaryEvidence<'a> {
-    /// Restores evidence from its [`cells`](Self::cells) and [`known`](Self::known) bins. `None` if `cells` does not have
-    /// [`CELLS`] bytes.
+    /// Restores evidence from its [`cells`](Self::cells). `None` if there are not [`CELLS`].
     ///
     /// ```
+    /// use compass_core::base::num::CellNats;
     /// use compass_core::vision::boundary::{BoundaryEvidence, CELLS};
     ///
-    /// assert!(BoundaryEvidence::new(&[0; CELLS], [true; 360]).is_some());
-    /// assert!(BoundaryEvidence::new(&[0; 9], [true; 360]).is_none());
+    /// assert!(BoundaryEvidence::new(&[CellNats::ZERO; CELLS]).is_some());
+    /// assert!(BoundaryEvidence::new(&[CellNats::ZERO; 9]).is_none());
     /// ```
     #[must_use]
-    pub fn new(cells: &'a [u8], known: [bool; BINS]) -> Option<Self> {
-        (cells.len() == CELLS).then_some(Self { cells, known })
+    pub fn new(cells: &'a [CellNats]) -> Option<Self> {
+        (cells.len() == CELLS).then_some(Self { cells })
     }
 
-    /// Makes evidence of [`CELLS`] bytes.
-    pub(super) const fn of(cells: &'a [u8], known: [bool; BINS]) -> Self {
-        Self { cells, known }
+    /// Makes evidence of [`CELLS`] values.
+    pub(super) const fn of(cells: &'a [CellNats]) -> Self {
+        Self { cells }
     }
 
-    /// Evidence by surface (floor, ceiling), rung and bin: [`CELLS`] bytes, the bits of
-    /// [`SupportNats`](crate::base::num::SupportNats).
+    /// Log-likelihood ratios by surface (floor, ceiling), row and bin: [`CELLS`] values.
     #[must_use]
-    pub const fn cells(&self) -> &'a [u8] {
+    pub const fn cells(&self) -> &'a [CellNats] {
         self.cells
     }
 
-    /// Bins in which a third of the rungs of floor or ceiling was seen.
+    /// Bins in which a third of the rows of floor or ceiling was seen.
     #[must_use]
-    pub const fn known(&self) -> &[bool; BINS] {
-        &self.known
+    pub fn known(&self) -> [bool; BINS] {
+        let mut known = [false; BINS];
+        for row in self.cells.chunks_exact(BINS) {
+            known.iter_mut().zip(row).for_each(|(known, cell)| *known |= *cell != CellNats::ZERO);
+        }
+        known
     }
 
-    /// Candidate heights of the ceiling, the most likely first: local maxima of the directions' vote for both boundaries at
-    /// one range. A height is the shift in rungs of the ceiling's height above the camera against the camera height.
-    /// `height`, a known camera height in [rungs](crate::base::ladder::height_rungs), restricts them to ceilings 2.0 to 4.5
-    /// m above the floor.
+    /// Computes the log-likelihood ratios of ranges for a height of the ceiling: its shift in rungs above the camera against
+    /// the camera height, clamped to -20 to 28 rungs.
     ///
     /// # Formats
-    /// Sums of 120 bins in [`Nats`]; heights -16 to 28 rungs.
-    ///
-    /// # Cost
-    /// A pass over a third of the cells for each of at most 45 heights.
-    ///
-    /// ```
-    /// use compass_core::vision::boundary::{BoundaryEvidence, CELLS, RUNGS};
-    ///
-    /// // Floor at rung 30, ceiling at rung 25, in all directions.
-    /// let mut cells = vec![0; CELLS];
-    /// cells[30 * 360..31 * 360].fill(60);
-    /// cells[(RUNGS + 25) * 360..(RUNGS + 26) * 360].fill(50);
-    /// let evidence = BoundaryEvidence::new(&cells, [true; 360]).unwrap();
-    /// assert_eq!(evidence.ceilings(None).first(), Some(&5));
-    /// ```
-    #[must_use]
-    pub fn ceilings(&self, height: Option<i8>) -> Vec<i8, MAX_CEILINGS> {
-        let [least, most] = height.map_or(CEILINGS, |rungs| ranges::ceiling_bounds(height_m(rungs)));
-        let (floor, ceiling) = self.surfaces();
-        let mut peaks: Vec<(Nats, i8), MAX_CEILINGS> = Vec::new();
-        let mut former = Nats::MIN;
-        let mut here = ranges::agreement(floor, ceiling, least);
-        for offset in least..=most {
-            let next = if offset < most { ranges::agreement(floor, ceiling, offset + 1) } else { Nats::MIN };
-            if here > former && here >= next {
-                insert(&mut peaks, (here, offset));
-            }
-            (former, here) = (here, next);
-        }
-        let mut offsets = Vec::new();
-        for (_, offset) in peaks {
-            // Both lists have the same capacity.
-            let _ = offsets.push(offset);
-        }
-        offsets
-    }
-
-    /// Computes the log-likelihood ratios of ranges for a ceiling height, clamped to -16 to 28 rungs.
-    ///
-    /// # Formats
-    /// Evidence in 1/16 nat, softmax in 1/65536, log-likelihood ratios in [`CellNats`](crate::base::num::CellNats): -1.25 to
-    /// 4 nats.
+    /// Sums of the floor's ratio and half of the ceiling's, in [`CellNats`].
     ///
     /// # Accuracy
     /// [`EVIDENCE_ERROR`](super::EVIDENCE_ERROR), which `compass compare` checks against `f64`.
     ///
     /// # Cost
-    /// Three passes over the cells.
-    ///
-    /// # References
-    /// D. L. `McFadden`, "Conditional Logit Analysis of Qualitative Choice Behavior", 1974.
+    /// A pass over a quarter of the cells.
     ///
     /// ```
-    /// use compass_core::vision::boundary::{BoundaryEvidence, CELLS, RUNGS, RangeLikelihoods};
+    /// use compass_core::base::num::CellNats;
+    /// use compass_core::vision::boundary::{BoundaryEvidence, CELLS, ROWS, RangeLikelihoods};
     ///
-    /// // Floor at rung 30, ceiling at rung 25, in all directions.
-    /// let mut cells = vec![0; CELLS];
-    /// cells[30 * 360..31 * 360].fill(60);
-    /// cells[(RUNGS + 25) * 360..(RUNGS + 26) * 360].fill(50);
-    /// let evidence = BoundaryEvidence::new(&cells, [true; 360]).unwrap();
+    /// // Floor at row 61, ceiling at row 51, in all directions.
+    /// let mut cells = vec![-CellNats::ONE / 2; CELLS];
+    /// cells[61 * 360..62 * 360].fill(CellNats::ONE * 3);
+    /// cells[(ROWS + 51) * 360..(ROWS + 52) * 360].fill(CellNats::ONE * 2);
+    /// let evidence = BoundaryEvidence::new(&cells).unwrap();
     /// let mut ranges = RangeLikelihoods::EMPTY;
     /// evidence.ranges(5, &mut ranges);
-    /// // Rung 30 is rung 21 of the range ladder for the nominal camera height: 1.43 m.
+    /// // Row 61 is rung 21 of the range ladder for the nominal camera height: 1.43 m.
     /// let found = ranges.range(0, 0).unwrap();
-    /// assert!((found.metres - 1.43).abs() < 0.02 && found.confidence > 0.8, "{found:?}");
+    /// assert!((found.metres - 1.43).abs() < 0.02, "{found:?}");
     /// ```
     pub fn ranges(&self, ceiling: i8, ranges: &mut RangeLikelihoods) {
-        let (floor, above) = self.surfaces();
-        ranges.known = self.known.map(u8::from);
+        ranges.known = self.known().map(u8::from);
         ranges.ceiling = ceiling.clamp(CEILINGS[0], CEILINGS[1]);
-        ranges::fill(ranges, floor, above);
+        ranges::fill(ranges, self);
     }
 
-    /// Computes the log-likelihood ratios of ranges for the most likely ceiling, by [`ceilings`](Self::ceilings).
+    /// A guess of the ceiling without a plan: the height at which both boundaries agree best on the ranges. `height`, a known
+    /// camera height in [rungs](crate::base::ladder::height_rungs), restricts it to ceilings 2.0 to 4.5 m above the floor.
     ///
-    /// ```
-    /// use compass_core::vision::boundary::{BoundaryEvidence, CELLS, RUNGS, RangeLikelihoods};
+    /// # Formats
+    /// The shift in rungs of the ceiling's height above the camera against the camera height; 0 if nothing was seen.
     ///
-    /// // Floor at rung 30, ceiling at rung 25, in all directions.
-    /// let mut cells = vec![0; CELLS];
-    /// cells[30 * 360..31 * 360].fill(60);
-    /// cells[(RUNGS + 25) * 360..(RUNGS + 26) * 360].fill(50);
-    /// let evidence = BoundaryEvidence::new(&cells, [true; 360]).unwrap();
-    /// let mut ranges = RangeLikelihoods::EMPTY;
-    /// evidence.likeliest(None, &mut ranges);
-    /// assert!((ranges.ceiling_ratio() - 1.355).abs() < 1e-3);
-    /// ```
+    /// # Cost
+    /// A pass over a sixth of the cells for each of at most 49 heights.
+    #[must_use]
+    pub fn guess_ceiling(&self, height: Option<i8>) -> i8 {
+        let [least, most] = height.map_or(CEILINGS, |rungs| ranges::ceiling_bounds(height_m(rungs)));
+        let agreement = |ceiling: &i8| (ranges::agreement(self, *ceiling), -i16::from(*ceiling).abs());
+        let best = (least..=most).max_by_key(agreement).unwrap_or(0);
+        if ranges::agreement(self, best) > Nats::ZERO { best } else { 0 }
+    }
+
+    /// Computes the log-likelihood ratios of ranges for a [guess](Self::guess_ceiling) of the ceiling.
     pub fn likeliest(&self, height: Option<i8>, ranges: &mut RangeLikelihoods) {
-        self.ranges(self.ceilings(height).first().copied().unwrap_or(0), ranges);
+        self.ranges(self.guess_ceiling(height), ranges);
     }
 
-    fn surfaces(&self) -> (&'a [u8], &'a [u8]) {
-        self.cells.split_at_checked(RUNGS * BINS).unwrap_or_default()
+    /// The cells of a row of a surface: 0 floor, 1 ceiling. Zeros outside the raster.
+    #[inline]
+    pub(crate) fn row(&self, surface: usize, row: Option<usize>) -> &'a [CellNats; BINS] {
+        const NOTHING: [CellNats; BINS] = [CellNats::ZERO; BINS];
+        row.and_then(|row| self.cells.as_chunks::<BINS>().0.get(surface * ROWS + row)).unwrap_or(&NOTHING)
     }
-}
-
-/// Inserts a peak in descending order, ties by ascending height; a full list drops the last.
-fn insert(peaks: &mut Vec<(Nats, i8), MAX_CEILINGS>, mut new: (Nats, i8)) {
-    let order = |(agreement, offset): (Nats, i8)| (agreement, Reverse(offset));
-    for peak in peaks.iter_mut() {
-        // From the first lower peak on, each moves down one place.
-        if order(new) > order(*peak) {
-            core::mem::swap(peak, &mut new);
-        }
-    }
-    // If the list is full, `new` is now the lowest peak, and is dropped.
-    let _ = peaks.push(new);
 }

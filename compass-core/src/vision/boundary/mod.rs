@@ -12,38 +12,64 @@
 //! The weights are those of a conditional logit over the rungs of a direction, fitted to simulated frames of two floors
 //! (`docs/design.md`).
 
+mod block;
 mod cells;
 mod evidence;
+mod logarithms;
+mod logit;
 mod polar;
 mod ranges;
-mod support;
+mod region;
 mod tuning;
 
-pub use cells::{CELLS, RUNGS};
-pub use evidence::{BoundaryEvidence, MAX_CEILINGS};
+pub(crate) use cells::half_row_of;
+pub use cells::{CELLS, NOMINAL_ROW, ROWS};
+pub use evidence::BoundaryEvidence;
+pub(crate) use tuning::CEILING_SHIFT;
 pub use ranges::{RangeEstimate, RangeLikelihoods};
 
+use crate::base::num::{BINS, CellNats};
 use crate::base::raster::GrayImage;
 use crate::vision::camera::Rig;
 use crate::vision::level_frame::LevelFrame;
 use crate::vision::projector::CameraView;
 use crate::vision::sample::ExclusionMask;
+use bytemuck::{Pod, Zeroable};
 
-/// Share, in millionths, of the edges within [`EDGE_LEVELS`] of those of exact projection.
-pub const EDGES_PPM: u32 = 900_000;
-/// Bound of the difference of such edges, gray levels.
-pub const EDGE_LEVELS: u8 = 2;
-/// Bound, in nats, of the difference between evidence and `f64` evidence of the same edges, and between log-likelihood
-/// ratios and `f64` ones of the same evidence.
+/// Share, in millionths, of the gray levels of the raster within [`GRAY_LEVELS`] of those of exact projection.
+pub const GRAY_PPM: u32 = 900_000;
+/// Bound of the difference of such gray levels.
+pub const GRAY_LEVELS: u8 = 2;
+/// Share, in millionths, of the evidence within [`EVIDENCE_ERROR`] of `f64` evidence of the same raster.
+pub const EVIDENCE_PPM: u32 = 990_000;
+/// Bound, in nats, of the difference of such evidence.
 pub const EVIDENCE_ERROR: f32 = 0.25;
 
 /// Memory lent to a [`BoundaryFinder`]; its initial contents are ignored.
 #[derive(Debug)]
 pub struct Buffers<'a> {
-    /// [`CELLS`] bytes.
-    pub edges: &'a mut [u8],
-    /// [`CELLS`] bytes.
-    pub support: &'a mut [u8],
+    /// Gray levels of the raster: [`CELLS`] bytes.
+    pub gray: &'a mut [u8],
+    /// Working memory.
+    pub work: &'a mut Work,
+    /// The result: [`CELLS`] values.
+    pub evidence: &'a mut [CellNats],
+}
+
+/// Working memory of a [`BoundaryFinder`]; any bytes.
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub struct Work {
+    logit: logit::Work,
+    /// By surface and row, a bit for each bin that camera 1 sees.
+    owner: [[u8; polar::OWNER_BYTES]; cells::SURFACES * ROWS],
+    padding: [u8; 2],
+}
+
+impl Default for Work {
+    fn default() -> Self {
+        Zeroable::zeroed()
+    }
 }
 
 /// Finds the boundaries of floor and ceiling in the frames of a rig, added one camera at a time.
@@ -88,32 +114,50 @@ impl<'a, 'r> BoundaryFinder<'a, 'r> {
     /// short.
     #[must_use]
     pub fn new(mut buffers: Buffers<'a>, rig: &'r Rig, level: LevelFrame) -> Option<Self> {
-        buffers.edges = buffers.edges.get_mut(..CELLS)?;
-        buffers.support = buffers.support.get_mut(..CELLS)?;
-        buffers.edges.fill(0);
+        buffers.gray = buffers.gray.get_mut(..CELLS)?;
+        buffers.evidence = buffers.evidence.get_mut(..CELLS)?;
+        buffers.gray.fill(0);
+        buffers.work.owner.as_flattened_mut().fill(0);
         Some(Self { buffers, rig, level })
     }
 
-    /// Adds the smoothed frame of one camera. Ignores a camera that the rig lacks.
+    /// Adds the frame of one camera. Ignores a camera that the rig lacks.
     ///
     /// # Cost
-    /// Per surface and bin two azimuth samples of 91 rung ends, each the mean of at most 4 pixel samples.
+    /// Per surface and bin two azimuth samples of 181 rows, each the mean of at most 4 pixel samples.
     pub fn add(&mut self, camera: usize, image: &GrayImage<'_>, excluded: ExclusionMask<'_>) {
         let seen = CameraView { rig: self.rig, camera, level: self.level, image, excluded };
-        polar::draw(self.buffers.edges, &seen);
+        polar::draw(self.buffers.gray, &mut self.buffers.work.owner, &seen);
     }
 
-    /// Computes the evidence from the edges of all frames added, in the lent [`Buffers::support`].
+    /// Computes the evidence from the gray levels of all frames added, in the lent [`Buffers::evidence`].
     ///
     /// # Cost
-    /// A fixed number of passes over the [`CELLS`], seven of them for the support by neighbours.
+    /// For each of the [`CELLS`], 98 additions and products, and 28 table look-ups for each slope.
     #[must_use]
     pub fn finish(self) -> BoundaryEvidence<'a> {
-        let Buffers { edges, support } = self.buffers;
-        let known = support::known(edges);
-        support::normalize(edges);
-        support::gather(edges, support);
-        BoundaryEvidence::of(support, known)
+        let Buffers { gray, work, evidence } = self.buffers;
+        work.logit.logarithms.fill();
+        let (floor, ceiling) = gray.split_at_checked(ROWS * BINS).unwrap_or_default();
+        let region = region::ratios(floor, ceiling);
+        let owners = work.owner.split_at_checked(ROWS).unwrap_or_default();
+        let weighings = [
+            (
+                logit::Surface { gray: floor, owner: owners.0 },
+                &[tuning::FLOOR_BY_REGION, tuning::FLOOR][..],
+                (tuning::FLOOR_TOLERANCE.0, &tuning::FLOOR_TOLERANCE.1[..]),
+            ),
+            (
+                logit::Surface { gray: ceiling, owner: owners.1 },
+                &[tuning::CEILING][..],
+                (tuning::CEILING_TOLERANCE.0, &tuning::CEILING_TOLERANCE.1[..]),
+            ),
+        ];
+        for ((surface, variants, tolerance), cells) in weighings.into_iter().zip(evidence.chunks_exact_mut(ROWS * BINS)) {
+            let weighing = logit::Weighing { variants, region: &region, tolerance };
+            work.logit.weigh(&surface, &weighing, cells);
+        }
+        BoundaryEvidence::of(evidence)
     }
 }
 

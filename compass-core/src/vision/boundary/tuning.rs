@@ -1,38 +1,87 @@
 //! Thresholds and weights of the boundary finder.
 //!
-//! | constants | origin |
-//! |---|---|
-//! | [`WEIGHTS`], [`PRIOR_LINEAR`], [`PRIOR_SQUARE`] | conditional logit over the rungs of a direction, fitted to 36 simulated frame pairs (two floors, three styles, with clutter, people and up to 40 % of the partitions missing) |
-//! | all others | set by hand, not fitted |
-//!
-//! `docs/design.md` describes the fit.
+//! The weights are those of a conditional logit over slope and row of a direction. See `docs/design.md` for the data that
+//! they were fitted to.
 
-#[cfg(doc)]
-use crate::base::num::{EdgeNats, SupportNats};
-
-/// Percentile of the frame's edges that normalizes them.
+/// Smallest percentile edge that normalizes a surface's edges, gray levels: less is noise.
+pub(super) const LEAST_SCALE: f32 = 1.0;
+/// Percentile of the edges, of those that are not 0, that normalizes them.
 pub(super) const PERCENT: u32 = 90;
-/// Lower bound of the normalizing edge, gray levels: less is noise.
-pub(super) const LEAST_SCALE: u32 = 3;
-/// Bins on either side whose edges support an edge; at distance d, rungs up to d away count.
-pub(super) const REACH: usize = 3;
-/// Per surface (floor, ceiling), weight of a cell's edge and of the sum of its supports, 1/256: bits of [`SupportNats`]
-/// per bit of [`EdgeNats`].
-pub(super) const WEIGHTS: [[u32; 2]; 2] = [[23, 23], [45, 74]];
+/// Variance of a mean of edges that noise alone has, squared gray levels.
+pub(super) const NOISE_VARIANCE: f32 = 0.35 * 0.35;
+/// Fewest known differences whose mean counts.
+pub(super) const FEWEST_TAPS: u8 = 3;
 
-/// Coefficient of x in the log prior of a range, 1/1600 nat; x is -1 at the first rung of the range ladder and 1 at the
-/// last, for the nominal camera height.
-pub(super) const PRIOR_LINEAR: i32 = 2080;
-/// Coefficient of -x^2 in the log prior of a range, 1/1600 nat.
-pub(super) const PRIOR_SQUARE: i32 = 4592;
-/// Outlier rate: probability that the evidence of a direction is independent of the plan, 1/10.
-pub(super) const OUTLIERS_TENTHS: u32 = 3;
+/// Weights of the logarithms of strength and significance at widths of 1 and 4 rows, of the region nearer and farther, and of
+/// u and u^2, with u from -1 at the first row to 1 at the last; 1/256.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Weights {
+    pub(super) edges: [i32; 4],
+    pub(super) region: [i32; 2],
+    pub(super) linear: f32,
+    pub(super) square: f32,
+}
+
+/// 1/256, rounded.
+const fn weight(value: f32) -> i32 {
+    (value * 256.0 + if value < 0.0 { -0.5 } else { 0.5 }) as i32
+}
+
+/// Floor, with the region.
+pub(super) const FLOOR_BY_REGION: Weights = Weights {
+    edges: [weight(2.93), weight(1.69), weight(-1.33), weight(0.54)],
+    region: [weight(1.09), weight(1.01)],
+    linear: 2.75,
+    square: -3.31,
+};
+/// Floor, by edges alone.
+pub(super) const FLOOR: Weights = Weights {
+    edges: [weight(3.60), 0, weight(1.61), 0],
+    region: [0; 2],
+    linear: 3.25,
+    square: -4.69,
+};
+/// Ceiling.
+pub(super) const CEILING: Weights = Weights {
+    edges: [weight(2.64), weight(3.39), weight(-1.65), weight(0.23)],
+    region: [0; 2],
+    linear: 1.91,
+    square: -4.70,
+};
+
+/// Log-likelihood ratio of a floor boundary at a row: probability of the image's boundary by its distance from the plan's,
+/// from the first distance on; rows, positive if the image's is farther.
+pub(super) const FLOOR_TOLERANCE: (isize, [f32; 12]) =
+    (-3, [0.03, 0.05, 0.10, 0.15, 0.16, 0.15, 0.12, 0.08, 0.06, 0.04, 0.03, 0.03]);
+/// The same of a ceiling boundary.
+pub(super) const CEILING_TOLERANCE: (isize, [f32; 9]) =
+    (-4, [0.04, 0.08, 0.12, 0.16, 0.20, 0.16, 0.12, 0.08, 0.04]);
+
+/// Share of directions whose boundary is independent of the plan.
+pub(super) const OUTLIERS: f32 = 0.5;
+/// Number of rows among which a boundary is equally likely under "nothing known".
+pub(super) const CHOICES: f32 = 144.0;
+/// Fewest known rows of a bin with evidence.
+pub(super) const FEWEST_ROWS: u8 = 60;
+
+/// Elevations, degrees: the floor near the camera, and the walls around the horizon, below it and above it.
+pub(super) const NEAR_DEG: [f32; 2] = [38.0, 62.0];
+pub(super) const BELOW_DEG: [f32; 2] = [1.5, 8.0];
+pub(super) const ABOVE_DEG: [f32; 2] = [1.5, 14.0];
+/// Density of gray levels that both regions have at least.
+pub(super) const BASE_DENSITY: f32 = 0.0014;
+/// Largest log-likelihood ratio of the region of a cell, nats.
+pub(super) const MOST_REGION: f32 = 1.5;
+/// Rows on either side of a boundary whose regions count.
+pub(super) const REGION_ROWS: usize = 8;
+
+/// Largest shift of the ceiling against the floor, rungs: logarithm of its height above the camera over the camera height.
+pub(super) const CEILINGS: [i8; 2] = [-20, 28];
+/// Weight of the ceiling's log-likelihood ratio relative to the floor's: 1/2.
+pub(crate) const CEILING_SHIFT: u32 = 1;
 /// Rungs on either side of the most likely one whose probability counts as confidence in its range.
 pub(super) const AGREEING: usize = 2;
-
-/// Smallest and largest shift of the ceiling, rungs: logarithm of its height above the camera over the camera height.
-pub(super) const CEILINGS: [i8; 2] = [-16, 28];
-/// Smallest and largest height of a ceiling above the floor, metres.
+/// Smallest and largest height of a ceiling above the floor, metres, for a guess without a plan.
 pub(super) const ROOMS_M: [f32; 2] = [2.0, 4.5];
-/// Azimuth stride, bins, of the vote for the ceiling: neighbouring bins see the same walls.
+/// Azimuth stride, bins, of the guess of the ceiling: neighbouring bins see the same walls.
 pub(super) const VOTE_STRIDE: usize = 3;

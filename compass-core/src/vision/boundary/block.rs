@@ -1,0 +1,119 @@
+//! Oriented, signed edges of one block of bins.
+//!
+//! A boundary is continuous: along a wall at incidence phi the log range changes by tan(phi) per radian of azimuth, and the
+//! difference of gray levels across it keeps its sign. The differences of neighbouring bins are therefore averaged, with
+//! their signs, along several slopes: texture cancels, a faint but long boundary remains.
+
+use super::cells::ROWS;
+use super::polar::OWNER_BYTES;
+use crate::base::num::BINS;
+use bytemuck::{Pod, Zeroable};
+
+/// Bins of a block.
+pub(super) const WIDTH: usize = 40;
+/// Bins on either side that an oriented mean takes in.
+pub(super) const REACH: usize = 3;
+/// Bins of a block with those on either side.
+const PADDED: usize = WIDTH + 2 * REACH;
+/// Differences are taken over this many rows on either side.
+pub(super) const SPANS: [usize; 2] = [1, 4];
+
+/// Slopes of a boundary, in rows over the bins from 3 to the right to 3 to the left: 0, +-0.25, +-0.6 and +-1.2 rungs per
+/// degree.
+pub(super) const SLOPES: [[isize; 2 * REACH + 1]; 7] = [
+    [0; 7],
+    [-2, -1, -1, 0, 1, 1, 2],
+    [2, 1, 1, 0, -1, -1, -2],
+    [-4, -2, -1, 0, 1, 2, 4],
+    [4, 2, 1, 0, -1, -2, -4],
+    [-7, -5, -2, 0, 2, 5, 7],
+    [7, 5, 2, 0, -2, -5, -7],
+];
+
+/// The differences of a block's gray levels along the range axis.
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct Block {
+    /// Gray levels, 0 where unknown, by row and padded bin.
+    gray: [[u8; PADDED]; ROWS],
+    owner: [[u8; PADDED]; ROWS],
+    /// Differences over each of [`SPANS`], quarters of gray levels, 0 where unknown.
+    difference: [[[i16; PADDED]; ROWS]; 2],
+    /// 1 where the difference is known, else 0.
+    known: [[[u8; PADDED]; ROWS]; 2],
+}
+
+/// Sums over the known of seven differences.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sums {
+    pub(super) sum: [i16; WIDTH],
+    pub(super) squares: [i32; WIDTH],
+    pub(super) count: [u8; WIDTH],
+}
+
+impl Block {
+    /// Takes the block that begins at a bin from the raster of one surface.
+    pub(super) fn take(&mut self, gray: &[u8], owner: &[[u8; OWNER_BYTES]], first: usize) {
+        let rows = gray.chunks_exact(BINS).zip(owner);
+        for ((out, owners), (row, bits)) in self.gray.iter_mut().zip(&mut self.owner).zip(rows) {
+            for ((offset, out), owner) in (BINS - REACH..).zip(out).zip(owners) {
+                let bin = (first + offset) % BINS;
+                *out = row.get(bin).copied().unwrap_or(0);
+                *owner = bits.get(bin / 8).copied().unwrap_or(0) >> (bin % 8) & 1;
+            }
+        }
+        for span in 0..SPANS.len() {
+            self.differentiate(span);
+        }
+    }
+
+    #[expect(clippy::indexing_slicing, reason = "rows and bins are below the lengths of the arrays")]
+    fn differentiate(&mut self, span: usize) {
+        let reach = SPANS[span];
+        // Quarters of gray levels: the mean over `reach` rows, times 4.
+        let scale = 4 / reach as i16;
+        self.difference[span] = [[0; PADDED]; ROWS];
+        self.known[span] = [[0; PADDED]; ROWS];
+        for row in reach..ROWS - reach {
+            let mut sums = [0_i16; PADDED];
+            let mut known = [u8::MAX; PADDED];
+            for k in 1..=reach {
+                let (near, far) = (&self.gray[row - k], &self.gray[row + k]);
+                for b in 0..PADDED {
+                    sums[b] += i16::from(far[b]) - i16::from(near[b]);
+                    known[b] = known[b].min(far[b]).min(near[b]);
+                }
+            }
+            let (near, far) = (&self.owner[row - reach], &self.owner[row + reach]);
+            for b in 0..PADDED {
+                let is_known = known[b].min(self.gray[row][b]) > 0 && near[b] == far[b];
+                self.known[span][row][b] = u8::from(is_known);
+                self.difference[span][row][b] = if is_known { sums[b] * scale } else { 0 };
+            }
+        }
+    }
+
+    /// Whether the gray level of each bin is known at a row.
+    #[expect(clippy::indexing_slicing, reason = "rows are below `ROWS`")]
+    pub(super) fn gray(&self, row: usize) -> &[u8; PADDED] {
+        &self.gray[row]
+    }
+
+    /// Sums along a slope through a row.
+    #[inline]
+    #[expect(clippy::indexing_slicing, reason = "rows and bins are below the lengths of the arrays")]
+    pub(super) fn sums(&self, span: usize, row: usize, slope: &[isize; 2 * REACH + 1]) -> Sums {
+        let mut sums = Sums { sum: [0; WIDTH], squares: [0; WIDTH], count: [0; WIDTH] };
+        for (offset, rows) in slope.iter().enumerate() {
+            let Some(at) = row.checked_add_signed(*rows).filter(|row| *row < ROWS) else { continue };
+            let (difference, known) = (&self.difference[span][at], &self.known[span][at]);
+            for b in 0..WIDTH {
+                let d = difference[b + offset];
+                sums.sum[b] += d;
+                sums.squares[b] += i32::from(d) * i32::from(d);
+                sums.count[b] += known[b + offset];
+            }
+        }
+        sums
+    }
+}

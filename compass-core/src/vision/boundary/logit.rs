@@ -1,0 +1,221 @@
+//! From oriented edges to log-likelihood ratios: a conditional logit over the rows and slopes of each bin.
+
+use super::block::{Block, REACH, SLOPES, SPANS, Sums, WIDTH};
+use super::cells::ROWS;
+use super::logarithms::{Logarithms, to_logit};
+use super::polar::OWNER_BYTES;
+use super::tuning::{
+    CHOICES, FEWEST_ROWS, FEWEST_TAPS, LEAST_SCALE, NOISE_VARIANCE, OUTLIERS, PERCENT, REGION_ROWS, Weights,
+};
+use crate::base::num::{BINS, CellNats, round_to_i8};
+use bytemuck::{Pod, Zeroable};
+
+/// Quarters of gray levels that a histogram of edges tells apart.
+const LEVELS: usize = 1024;
+
+/// Working memory of one block of bins.
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct Work {
+    block: Block,
+    pub(super) logarithms: Logarithms,
+    histograms: [[u32; LEVELS]; 2],
+    /// Probability of a boundary, not normalized, by the weights of each variant, row and bin.
+    mass: [[[f32; WIDTH]; ROWS]; 2],
+    /// Sums of the region's log-likelihood ratios over three bins and the rows before each, 1/768 nat.
+    region: [[i32; WIDTH]; ROWS + 1],
+}
+
+/// One surface of the raster.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Surface<'a> {
+    pub(super) gray: &'a [u8],
+    pub(super) owner: &'a [[u8; OWNER_BYTES]],
+}
+
+/// How a surface is weighed: the mean probability of its variants, spread by the tolerance.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Weighing<'a> {
+    pub(super) variants: &'a [Weights],
+    /// Log-likelihood ratio of "floor" by gray level, 1/256 nat.
+    pub(super) region: &'a [i16; 256],
+    pub(super) tolerance: (isize, &'a [f32]),
+}
+
+/// Strength and significance of an oriented edge at both spans, as indices of logarithms.
+type Features = [[u32; WIDTH]; 4];
+
+impl Work {
+    /// Fills `cells` with the log-likelihood ratios of a boundary at each row and bin.
+    pub(super) fn weigh(
+        &mut self,
+        surface: &Surface<'_>,
+        weighing: &Weighing<'_>,
+        cells: &mut [CellNats],
+    ) {
+        let scales = self.scales(surface);
+        for first in (0..BINS).step_by(WIDTH) {
+            self.block.take(surface.gray, surface.owner, first);
+            self.sum_region(weighing.region);
+            self.add_mass(scales, weighing.variants);
+            self.normalize(weighing.variants.len());
+            self.spread(weighing, first, cells);
+        }
+    }
+
+    /// Percentile of the level edges at each span, gray levels.
+    #[expect(clippy::indexing_slicing, reason = "levels are below 1024")]
+    fn scales(&mut self, surface: &Surface<'_>) -> [f32; 2] {
+        self.histograms = [[0; LEVELS]; 2];
+        for first in (0..BINS).step_by(WIDTH) {
+            self.block.take(surface.gray, surface.owner, first);
+            for (span, histogram) in self.histograms.iter_mut().enumerate() {
+                for row in 0..ROWS {
+                    let sums = self.block.sums(span, row, &SLOPES[0]);
+                    for (sum, count) in sums.sum.iter().zip(sums.count) {
+                        let level = u32::from(sum.unsigned_abs()) / u32::from(count.max(1));
+                        histogram[(level as usize).min(LEVELS - 1)] += u32::from(count >= FEWEST_TAPS && *sum != 0);
+                    }
+                }
+            }
+        }
+        self.histograms.map(|histogram| {
+            let wanted = histogram.iter().sum::<u32>() / 100 * PERCENT;
+            let mut below = 0;
+            let reached = histogram.iter().position(|count| {
+                below += count;
+                below > wanted
+            });
+            ((reached.unwrap_or(0) as f32 + 0.5) / 4.0).max(LEAST_SCALE)
+        })
+    }
+
+    #[expect(clippy::indexing_slicing, reason = "gray levels index 256 ratios")]
+    fn sum_region(&mut self, ratios: &[i16; 256]) {
+        self.region[0] = [0; WIDTH];
+        for row in 0..ROWS {
+            let gray = self.block.gray(row).map(|gray| i32::from(ratios[usize::from(gray)]));
+            for b in 0..WIDTH {
+                let three: i32 = gray[b + REACH - 1..=b + REACH + 1].iter().sum();
+                self.region[row + 1][b] = self.region[row][b] + three;
+            }
+        }
+    }
+
+    /// Sums e^logit over the slopes.
+    #[expect(clippy::indexing_slicing, reason = "rows, bins and variants are below the lengths of the arrays")]
+    fn add_mass(&mut self, scales: [f32; 2], variants: &[Weights]) {
+        let tables = &self.logarithms;
+        for row in 0..ROWS {
+            let u = 2.0 * row as f32 / (ROWS as f32 - 1.0) - 1.0;
+            let priors = [0, 1].map(|variant: usize| {
+                let weights = &variants[variant.min(variants.len() - 1)];
+                let place = to_logit(weights.linear * u + weights.square * u * u);
+                let near = row.saturating_sub(REGION_ROWS);
+                let far = (row + 1 + REGION_ROWS).min(ROWS);
+                let mut priors = [place; WIDTH];
+                if weights.region != [0; 2] {
+                    for (b, prior) in priors.iter_mut().enumerate() {
+                        let nearer = self.region[row][b] - self.region[near][b];
+                        let farther = self.region[row + 1][b] - self.region[far][b];
+                        // Sums of three bins and eight rows, 1/256 nat, times 1/256.
+                        *prior += (weights.region[0] * nearer + weights.region[1] * farther)
+                            / (3 * REGION_ROWS as i32);
+                    }
+                }
+                priors
+            });
+            let mut mass = [[0.0_f32; WIDTH]; 2];
+            for slope in &SLOPES {
+                let features = features(&self.block, row, slope, scales);
+                for b in 0..WIDTH {
+                    let logs = features.map(|feature| tables.at(feature[b]));
+                    for (variant, weights) in variants.iter().enumerate() {
+                        let sum: i32 = weights.edges.iter().zip(logs).map(|(weight, log)| weight * log).sum();
+                        mass[variant][b] += tables.exp(sum + priors[variant][b]);
+                    }
+                }
+            }
+            let gray = self.block.gray(row);
+            for (out, mass) in self.mass.iter_mut().zip(mass) {
+                for b in 0..WIDTH {
+                    out[row][b] = if gray[b + REACH] > 0 { mass[b] } else { 0.0 };
+                }
+            }
+        }
+    }
+
+    /// Replaces the mass of the first variant by the probability of each row, the mean of the variants.
+    #[expect(clippy::indexing_slicing, reason = "rows, bins and variants are below the lengths of the arrays")]
+    fn normalize(&mut self, variants: usize) {
+        let shares = [0, 1].map(|variant: usize| {
+            let mut whole = [f32::MIN_POSITIVE; WIDTH];
+            for row in &self.mass[variant] {
+                for b in 0..WIDTH {
+                    whole[b] += row[b];
+                }
+            }
+            whole.map(|whole| 1.0 / (whole * variants as f32))
+        });
+        let [first, second] = &mut self.mass;
+        for (row, other) in first.iter_mut().zip(second) {
+            for b in 0..WIDTH {
+                let beside = if variants > 1 { other[b] * shares[1][b] } else { 0.0 };
+                row[b] = row[b] * shares[0][b] + beside;
+            }
+        }
+    }
+
+    /// Spreads the probabilities by the tolerance; stores their log-likelihood ratios.
+    #[expect(clippy::indexing_slicing, reason = "rows and bins are below the lengths of the arrays")]
+    fn spread(&self, weighing: &Weighing<'_>, first: usize, cells: &mut [CellNats]) {
+        let mut rows = [0_u8; WIDTH];
+        for row in 0..ROWS {
+            let gray = self.block.gray(row);
+            for b in 0..WIDTH {
+                rows[b] += u8::from(gray[b + REACH] > 0);
+            }
+        }
+        let (least, kernel) = weighing.tolerance;
+        for (row, out) in cells.chunks_exact_mut(BINS).take(ROWS).enumerate() {
+            let mut spread = [0.0_f32; WIDTH];
+            for (share, distance) in kernel.iter().zip(least..) {
+                let Some(row) = row.checked_add_signed(distance).and_then(|row| self.mass[0].get(row)) else { continue };
+                for b in 0..WIDTH {
+                    spread[b] += share * row[b];
+                }
+            }
+            for ((out, spread), rows) in out.iter_mut().skip(first).zip(spread).zip(rows) {
+                // Twice the ratio, so that its logarithm is not negative: ln 2 is 177/256.
+                let twice = 2.0 * (OUTLIERS * CHOICES * spread + 1.0 - OUTLIERS);
+                let ratio = self.logarithms.ln(twice) - 177;
+                *out = if rows < FEWEST_ROWS { CellNats::ZERO } else { CellNats::from_bits(round_to_i8(ratio as f32 / 16.0)) };
+            }
+        }
+    }
+}
+
+/// Features along a slope through a row: strength over the frame's scale, and significance, at both spans.
+#[inline]
+#[expect(clippy::indexing_slicing, reason = "bins and features are below the lengths of the arrays")]
+fn features(block: &Block, row: usize, slope: &[isize; 2 * REACH + 1], scales: [f32; 2]) -> Features {
+    let mut features = [[0; WIDTH]; 4];
+    for span in 0..SPANS.len() {
+        let Sums { sum, squares, count } = block.sums(span, row, slope);
+        // Of quarters of gray levels.
+        let strength = 2.0 / (4.0 * scales[span]);
+        for b in 0..WIDTH {
+            let n = f32::from(count[b]);
+            let sum = f32::from(sum[b]).abs();
+            let known = count[b] >= FEWEST_TAPS;
+            let n = if known { n } else { 1.0 };
+            let sum = if known { sum } else { 0.0 };
+            // The sum over the deviation of a sum: n times the mean over n times the deviation of the mean.
+            let variance = (n * squares[b] as f32 - sum * sum).max(0.0) / n + 16.0 * NOISE_VARIANCE * n * n;
+            let significance = sum / libm::sqrtf(variance);
+            features[2 * span][b] = Logarithms::index(1.0 + strength * sum / n);
+            features[2 * span + 1][b] = Logarithms::index(1.0 + significance);
+        }
+    }
+    features
+}
