@@ -155,9 +155,7 @@ impl Layout {
     }
 
     const fn boundary_words(&self) -> usize {
-        of::<CellNats>(CELLS)
-            + of::<u8>(CELLS)
-            + of::<boundary::Work>(1)
+        of::<CellNats>(CELLS) + of::<u8>(CELLS) + of::<boundary::Work>(1)
     }
 
     const fn search_words(&self) -> usize {
@@ -221,11 +219,11 @@ impl Layout {
     /// For the boundaries; the evidence lies where the [search](Self::search) finds it.
     #[inline(never)]
     pub(super) fn boundary<'m>(&self, memory: &'m mut [u32]) -> Option<Boundary<'m>> {
-        let (kept, mut rest) = self.split(memory)?;
+        let (_, mut rest) = self.split(memory)?;
         let evidence = rest.take(CELLS)?;
         let gray = rest.take(CELLS)?;
         let work = rest.one()?;
-        Some(Boundary { smoothed: kept.smoothed, evidence, gray, work })
+        Some(Boundary { evidence, gray, work })
     }
 
     #[inline(never)]
@@ -282,15 +280,14 @@ pub(super) type Scratch<'m> = (&'m mut [u8], &'m mut [u16]);
 /// For the boundaries.
 #[derive(Debug)]
 pub(super) struct Boundary<'m> {
-    pub(super) smoothed: [&'m mut [u8]; CAMERAS],
     pub(super) evidence: &'m mut [CellNats],
     pub(super) gray: &'m mut [u8],
     pub(super) work: &'m mut boundary::Work,
 }
 
 impl<'m> Boundary<'m> {
-    pub(super) fn buffers(self) -> (boundary::Buffers<'m>, [&'m mut [u8]; CAMERAS]) {
-        (boundary::Buffers { gray: self.gray, work: self.work, evidence: self.evidence }, self.smoothed)
+    pub(super) fn buffers(self) -> boundary::Buffers<'m> {
+        boundary::Buffers { gray: self.gray, work: self.work, evidence: self.evidence }
     }
 }
 

@@ -97,8 +97,7 @@ struct Found {
 }
 
 impl Found {
-    const NOTHING: Self =
-        Self { segments: [0; CAMERAS], arcs: 0, windows: WindowEvidence::NOTHING };
+    const NOTHING: Self = Self { segments: [0; CAMERAS], arcs: 0, windows: WindowEvidence::NOTHING };
 }
 
 impl<'a, M: AsRef<[u32]> + AsMut<[u32]>, const LAYERS: usize> Locator<'a, M, (), LAYERS> {

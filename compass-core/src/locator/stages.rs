@@ -419,12 +419,11 @@ fn find_boundaries<M: AsMut<[u32]>, T, const LAYERS: usize>(
 ) {
     let Locator { settings, rig, memory, .. } = locator;
     let Some(lent) = settings.layout(rig).boundary(memory.as_mut()) else { return };
-    let (buffers, kept) = lent.buffers();
+    let buffers = lent.buffers();
     let Some(mut finder) = BoundaryFinder::new(buffers, rig, frame) else { return };
     for (camera, _) in rig.views() {
         let Some(frame) = frames.get(camera).and_then(Option::as_ref) else { continue };
-        let smoothed = smoothed(settings.smoothing, &frame.gray, kept.get(camera), &mut [], &mut []);
-        finder.add(camera, smoothed.as_ref().unwrap_or(&frame.gray), frame.excluded);
+        finder.add(camera, &frame.gray, frame.excluded);
     }
     let _ = finder.finish();
 }

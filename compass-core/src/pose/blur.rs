@@ -1,6 +1,6 @@
 //! Likelihoods of a surface averaged over the ranges between two candidates.
 
-use crate::base::ladder::{NEAREST_M, RUNG, NOMINAL_HEIGHT_M};
+use crate::base::ladder::{NEAREST_M, NOMINAL_HEIGHT_M, RUNG};
 use crate::base::num::{BINS, CellNats, round_to_i8, truncate_to_index};
 use crate::vision::boundary::{BoundaryEvidence, CEILING_SHIFT, ROWS};
 use micromath::F32Ext;

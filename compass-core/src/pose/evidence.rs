@@ -76,7 +76,6 @@ impl EvidenceTable {
         }
     }
 
-
     /// The value in a direction at a range in march steps of 0.02 m, interpolated between two rungs linearly in the
     /// logarithm of the range. Ranges below rung 0 (0.4 m) give the value of rung 0.
     #[must_use]

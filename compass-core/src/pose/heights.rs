@@ -3,7 +3,7 @@
 //! Heights are quantized like ranges, in rungs of 6.3 %: an estimate is within half a rung, 3 %, of the optimum.
 
 use crate::base::ladder::{HEIGHTS_M, NOMINAL_HEIGHT_M, RUNG, height_m, height_rungs};
-use crate::base::num::round_to_i8;
+use crate::base::num::{CellNats, Nats, round_to_i8};
 use crate::base::order;
 use core::ops::Range;
 use heapless::Vec;
@@ -57,6 +57,13 @@ const LEAST_ABOVE_M: f32 = 0.6;
 /// Smallest and largest camera height that a search tries, metres, and that a refinement tries.
 const SEARCHED_M: [f32; 2] = [0.8, 2.1];
 const REFINED_M: [f32; 2] = [0.7, 2.15];
+
+/// Usual heights of a camera above the floor and of a ceiling above the floor, metres; and the standard deviations of their
+/// logarithms. Wide: they decide only between poses that the images leave open.
+const USUAL_CAMERA: [f32; 2] = [1.3, 0.35];
+const USUAL_CEILING: [f32; 2] = [2.65, 0.2];
+/// Nats of evidence that count as one independent one: the errors of neighbouring bins are correlated.
+const CORRELATION: f32 = 10.0;
 
 /// Prior knowledge of the heights of camera and ceiling.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -130,6 +137,8 @@ pub struct HeightGrid {
     ceilings: Vec<i8, { Self::CEILINGS }>,
     /// For each camera height, the first of the ceilings that leave a room within bounds, and the first beyond.
     rooms: Vec<[u8; 2], { Self::CAMERAS }>,
+    /// Log prior of each camera height.
+    priors: Vec<CellNats, { Self::CAMERAS }>,
 }
 
 impl HeightGrid {
@@ -154,8 +163,10 @@ impl HeightGrid {
     fn new(prior: &HeightPrior, cameras_m: [f32; 2], step: usize) -> Self {
         let [least, most] = cameras_m.map(rungs);
         let known = prior.camera_rungs();
-        let (cameras, step_of_cameras) = known.map_or((least..=most, step), |known| (known - 1..=known + 1, 1));
-        let mut grid = Self { cameras: Vec::new(), ceilings: Vec::new(), rooms: Vec::new() };
+        let (cameras, step_of_cameras) =
+            known.map_or((least..=most, step), |known| (known - 1..=known + 1, 1));
+        let mut grid =
+            Self { cameras: Vec::new(), ceilings: Vec::new(), rooms: Vec::new(), priors: Vec::new() };
         grid.cameras.extend(cameras.step_by(step_of_cameras).take(Self::CAMERAS));
         let lowest = grid.cameras.first().map_or(NOMINAL_HEIGHT_M, |camera| height_m(*camera));
         let above = match (known, prior.ceiling) {
@@ -168,7 +179,13 @@ impl HeightGrid {
         let step = if prior.ceiling.is_some() { 1 } else { step.max(above.len().div_ceil(Self::CEILINGS)) };
         grid.ceilings.extend(above.step_by(step).take(Self::CEILINGS));
         for camera in &grid.cameras {
-            let rooms = if prior.ceiling.is_some() { 0..grid.ceilings.len() } else { grid.within(*camera, prior) };
+            let prior =
+                if known.is_some() { CellNats::ZERO } else { log_prior(height_m(*camera), USUAL_CAMERA) };
+            let _ = grid.priors.push(prior);
+        }
+        for camera in &grid.cameras {
+            let rooms =
+                if prior.ceiling.is_some() { 0..grid.ceilings.len() } else { grid.within(*camera, prior) };
             // Bounds are at most `CEILINGS`, and there are as many rooms as cameras.
             let _ = grid.rooms.push([rooms.start, rooms.end].map(|bound| bound.min(Self::CEILINGS) as u8));
         }
@@ -191,6 +208,20 @@ impl HeightGrid {
         &self.cameras
     }
 
+    /// Log prior of one of the [`cameras`](Self::cameras): 0 for one that is known.
+    #[must_use]
+    pub fn camera_prior(&self, camera: usize) -> CellNats {
+        self.priors.get(camera).copied().unwrap_or(CellNats::ZERO)
+    }
+
+    /// Log prior of a pair of heights: of one of the [`cameras`](Self::cameras) and a ceiling above it.
+    #[must_use]
+    pub fn prior(&self, [camera, above]: [i8; 2]) -> Nats {
+        let at = self.cameras.iter().position(|height| *height == camera);
+        let room = log_prior(height_m(camera) + height_m(above), USUAL_CEILING);
+        Nats::from(at.map_or(CellNats::ZERO, |at| self.camera_prior(at))) + Nats::from(room)
+    }
+
     /// Heights of the ceiling above the camera.
     #[must_use]
     pub fn ceilings(&self) -> &[i8] {
@@ -202,6 +233,12 @@ impl HeightGrid {
     pub fn rooms(&self, camera: usize) -> Range<usize> {
         self.rooms.get(camera).map_or(0..0, |[start, end]| usize::from(*start)..usize::from(*end))
     }
+}
+
+/// Log density of a height, relative to that of the usual one.
+fn log_prior(height_m: f32, [usual_m, deviation]: [f32; 2]) -> CellNats {
+    let z = libm::logf(height_m / usual_m) / deviation;
+    CellNats::from_bits(round_to_i8(-16.0 * CORRELATION / 2.0 * z * z))
 }
 
 /// A height in rungs from 1.5 m.

@@ -4,12 +4,12 @@ use super::evidence::{EvidenceTable, HitEvidence, weigh};
 use super::heights::{HeightGrid, HeightPrior, Heights};
 use super::{
     Fix, FloorLayer, Headings, PoolEntry, Query, ScoredPose, refine_coarse, refine_final, refine_fine,
-    select_alternatives,
+    select_alternatives, upright,
 };
 use crate::base::ladder::{FRACTION_BITS, position_of};
 use crate::base::num::{BINS, CellNats, Nats};
 use crate::base::order;
-use crate::base::scan::Hit;
+use crate::base::scan::{Hit, Scan};
 use crate::vision::boundary::{BoundaryEvidence, CEILING_SHIFT, RangeLikelihoods, half_row_of};
 use crate::vision::windows::WindowEvidence;
 use core::cmp::Reverse;
@@ -150,18 +150,33 @@ pub fn locate<'a>(
         heights: None,
     };
     let rays = work.effort.rays;
-    evidence.refine(layers, &mut found, |table, layer, pose| refine_coarse(table, layer, pose, rays));
-    evidence.choose_heights(layers, &mut found);
-    order::sort_by_key(&mut found, |(pose, heights)| (pose.order(), *heights));
+    // A pose refined at wrong heights is a wrong pose, and its heights are wrong with it: twice.
+    for _ in 0..2 {
+        evidence.refine(layers, &mut found, |table, layer, pose| refine_coarse(table, layer, pose, rays));
+        evidence.choose_heights(layers, &mut found);
+    }
+    let grid = evidence.grid.clone();
+    order::sort_by_key(&mut found, |(pose, heights)| {
+        (Reverse(pose.score.saturating_add(grid.prior(*heights))), pose.order(), *heights)
+    });
     let fully = found.len().min(work.effort.refined_fully.max(1));
     let best = found.get_mut(..fully).unwrap_or_default();
     evidence.refine(layers, best, refine_fine);
     evidence.choose_heights(layers, best);
     evidence.refine(layers, best, refine_fine);
-    order::sort_by_key(&mut found, |(pose, heights)| (pose.order(), *heights));
-    if let Some(best) = found.first_mut() {
+    let others = |(pose, heights): &Found| {
+        grid.prior(*heights).saturating_add(upright_score(layers, pose, &windows.upright_edges))
+    };
+    // The best pose by all that is seen, refined to the end without the upright edges.
+    let whole = |found: &Found| found.0.score.saturating_add(others(found));
+    let first = found.iter().enumerate().max_by_key(|(at, found)| (whole(found), Reverse(*at)));
+    if let Some(best) = first.map(|(at, _)| at).and_then(|at| found.get_mut(at)) {
         evidence.refine(layers, core::slice::from_mut(best), refine_final);
     }
+    for found in &mut found {
+        found.0.score = whole(found);
+    }
+    order::sort_by_key(&mut found, |(pose, heights)| (pose.order(), *heights));
     let chosen = found.first().map(|(_, heights)| *heights);
     let mut refined: Vec<ScoredPose, MAX_REFINED> = Vec::new();
     for (pose, _) in &found {
@@ -170,6 +185,14 @@ pub fn locate<'a>(
     let alternatives = select_alternatives(layers, &mut refined);
     let [camera, above] = chosen.unwrap_or([known.camera_rungs().unwrap_or(0); 2]);
     Fix::new(alternatives, Heights { camera, ceiling: above.saturating_sub(camera) }, known, layers)
+}
+
+/// Log-likelihood ratio of the upright edges at a pose; 0 outside the plan.
+fn upright_score(layers: &[FloorLayer<'_>], pose: &ScoredPose, classes: &[u8; BINS]) -> Nats {
+    let mut scan = Scan::OPEN;
+    let layer = layers.get(usize::from(pose.layer));
+    let is_free = layer.is_some_and(|layer| layer.plan.scan(pose.at, pose.heading, &mut scan).is_ok());
+    if is_free { upright::score(&scan, classes) } else { Nats::ZERO }
 }
 
 /// Evidence of a frame, combined into a table for one pair of heights at a time.
@@ -240,20 +263,26 @@ impl Evidence<'_> {
             };
             let bits = |cells: &[CellNats; BINS]| cells.get(bin).map_or(0, |cell| i32::from(cell.to_bits()));
             hits += bits(types);
-            let half_rungs = (2 * i32::from(position_of(steps)) + (1 << (FRACTION_BITS - 1))) >> FRACTION_BITS;
+            let half_rungs =
+                (2 * i32::from(position_of(steps)) + (1 << (FRACTION_BITS - 1))) >> FRACTION_BITS;
             for (sum, height) in floors.iter_mut().zip(self.grid.cameras()) {
                 *sum += bits(self.boundaries.row(0, half_row_of(half_rungs, (*height).into())));
             }
             for (sum, height) in ceilings.iter_mut().zip(self.grid.ceilings()) {
-                *sum += bits(self.boundaries.row(1, half_row_of(half_rungs, (*height).into()))) >> CEILING_SHIFT;
+                *sum +=
+                    bits(self.boundaries.row(1, half_row_of(half_rungs, (*height).into()))) >> CEILING_SHIFT;
             }
         }
-        let pairs = self.grid.cameras().iter().enumerate().flat_map(|(camera, height)| {
-            let floor = floors[camera];
-            self.grid.rooms(camera).map(move |above| (floor, above, *height))
+        let cameras = 0..self.grid.cameras().len();
+        let pairs = cameras.flat_map(|camera| self.grid.rooms(camera).map(move |above| (camera, above)));
+        let best = pairs.map(|(camera, above)| {
+            let heights = [self.grid.cameras()[camera], self.grid.ceilings()[above]];
+            let prior = self.grid.prior(heights).to_bits() / HEIGHT_STRIDE as i32;
+            (floors[camera] + ceilings[above], prior, heights)
         });
-        let best = pairs.map(|(floor, above, camera)| (floor + ceilings[above], [camera, self.grid.ceilings()[above]]));
-        let (score, heights) = best.max_by_key(|(score, heights)| (*score, Reverse(*heights)))?;
+        let (score, _, heights) =
+            best.max_by_key(|(score, prior, heights)| (*score + prior, Reverse(*heights)))?;
+        // Without the prior, like the scores of refinement.
         Some((Nats::from_bits((score + hits) * HEIGHT_STRIDE as i32), heights))
     }
 }

@@ -24,6 +24,7 @@ mod refine;
 mod rows;
 mod search;
 pub mod track;
+mod upright;
 pub mod wall_check;
 
 pub use crate::base::pose::ScoredPose;

@@ -42,11 +42,7 @@ const ROWS: usize = NOTHING + 3;
 const OPEN: u8 = RANGE_RUNGS as u8;
 
 /// Range rungs by the range code of a [packed scan](crate::map::site_map::PackedScan).
-#[expect(
-    clippy::indexing_slicing,
-    clippy::cast_possible_truncation,
-    reason = "evaluated at compile time"
-)]
+#[expect(clippy::indexing_slicing, clippy::cast_possible_truncation, reason = "evaluated at compile time")]
 static RUNG_OF_CODE: [u8; 256] = {
     let mut rungs = [OPEN; 256];
     let mut code = 0;
@@ -131,6 +127,12 @@ impl<const N: usize> Rows<N> {
     #[expect(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "at most 360")]
     pub(super) const fn of_360(score: i16) -> Nats {
         Nats::from_bits(score as i32 * Self::STRIDE as i32)
+    }
+
+    /// The inverse, rounded down.
+    #[expect(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "at most 360")]
+    pub(super) const fn from_360(nats: CellNats) -> i16 {
+        nats.to_bits() as i16 / Self::STRIDE as i16
     }
 
     /// Prepares evidence for scoring candidates that are `spacing_m` apart: between candidates, ranges differ by a part of
@@ -337,4 +339,3 @@ fn word(pair: &[u16; 2]) -> u32 {
 const fn pair(word: u32) -> [u16; 2] {
     [word as u16, (word >> 16) as u16]
 }
-

@@ -65,7 +65,8 @@ pub struct PoolEntry {
 
 impl PoolEntry {
     /// A place-holder of zero bytes.
-    pub const EMPTY: Self = Self { score: Nats::ZERO, heading: 0, cell: [0; 2], layer: 0, heights: [0; 2], padding: 0 };
+    pub const EMPTY: Self =
+        Self { score: Nats::ZERO, heading: 0, cell: [0; 2], layer: 0, heights: [0; 2], padding: 0 };
 
     /// The pose; `None` if the layer does not exist.
     #[must_use]
@@ -195,8 +196,9 @@ impl<const N: usize> Scores<N> {
                     *above = (*above).max(*ceiling);
                 }
             }
+            let prior = Rows::<N>::from_360(grid.camera_prior(camera));
             for ((best, floor), above) in best.iter_mut().zip(floor).zip(above).take(headings) {
-                *best = (*best).max(floor.saturating_add(above));
+                *best = (*best).max(floor.saturating_add(above).saturating_add(prior));
             }
         }
         for ((out, best), hits) in self.best.iter_mut().zip(best).zip(hits).take(headings) {
@@ -211,12 +213,15 @@ impl<const N: usize> Scores<N> {
     /// The heights that a heading has its score at.
     fn heights(&self, grid: &HeightGrid, heading: usize) -> [i8; 2] {
         let at = |scores: &[i16; N]| scores.get(heading).copied().unwrap_or(i16::MIN);
-        let pairs = self.cameras.iter().enumerate().zip(grid.cameras()).flat_map(|((camera, floor), height)| {
-            let ceilings = self.ceilings.iter().zip(grid.ceilings());
-            let rooms = grid.rooms(camera);
-            let rooms = ceilings.skip(rooms.start).take(rooms.len());
-            rooms.map(move |(above, ceiling)| (at(floor).saturating_add(at(above)), [*height, *ceiling]))
-        });
+        let pairs =
+            self.cameras.iter().enumerate().zip(grid.cameras()).flat_map(|((camera, floor), height)| {
+                let ceilings = self.ceilings.iter().zip(grid.ceilings());
+                let rooms = grid.rooms(camera);
+                let rooms = ceilings.skip(rooms.start).take(rooms.len());
+                let prior = Rows::<N>::from_360(grid.camera_prior(camera));
+                let sum = move |above: i16| at(floor).saturating_add(above).saturating_add(prior);
+                rooms.map(move |(above, ceiling)| (sum(at(above)), [*height, *ceiling]))
+            });
         pairs.fold((i16::MIN, [0; 2]), |best, here| if here.0 > best.0 { here } else { best }).1
     }
 }

@@ -11,7 +11,7 @@ use compass_core::base::num::CellNats;
 use compass_core::base::raster::GrayImage;
 use compass_core::vision::attitude::{self, Arc, Parameters, UP_ERROR_DEG, UpHint};
 use compass_core::vision::boundary::{
-    self, BoundaryFinder, EVIDENCE_PPM, EVIDENCE_ERROR, GRAY_LEVELS, GRAY_PPM,
+    self, BoundaryFinder, EVIDENCE_ERROR, EVIDENCE_PPM, GRAY_LEVELS, GRAY_PPM,
 };
 use compass_core::vision::camera::{Bearing, Rig};
 use compass_core::vision::level_frame::LevelFrame;

@@ -1,7 +1,7 @@
 //! The evidence of a frame as a gray image: one column per azimuth bin.
 //!
 //! Rows from the top: log-likelihood ratios of floor and ceiling boundaries in the layout of [`BoundaryEvidence`], in 1/16 nat
-//! plus 128; a mask of known hit types; the log odds of a window: high byte, then low byte, of the bits of [`LogOdds`]
+//! plus 128; a mask of known hit types; the classes of upright edges; the log odds of a window: high byte, then low byte, of the bits of [`LogOdds`]
 //! plus 2^15.
 
 use super::error::{EvaluateError, Result};
@@ -17,7 +17,7 @@ use image::ImageEncoder as _;
 use std::path::Path;
 
 /// Rows below those of the boundary evidence.
-const EXTRA: usize = 3;
+const EXTRA: usize = 4;
 /// Rows of the image.
 const ROWS: usize = CELLS / BINS + EXTRA;
 /// Offset that makes log-likelihood ratios unsigned.
@@ -43,6 +43,7 @@ impl Evidence {
         let byte = |cell: &CellNats| (i16::from(cell.to_bits()) + MIDDLE_OF_CELLS) as u8;
         let mut rows: Vec<u8> = cells.iter().map(byte).collect();
         rows.extend(windows.confidence.sixteenths());
+        rows.extend(windows.upright_edges);
         rows.extend(odds.map(|odds| (odds >> 8) as u8));
         rows.extend(odds.map(|odds| odds as u8));
         Self { rows, cells }
@@ -67,7 +68,7 @@ impl Evidence {
     /// The window evidence by bin; the windows themselves are not stored.
     #[must_use]
     pub fn windows(&self) -> WindowEvidence {
-        let (high, low) = (self.row(1), self.row(2));
+        let (high, low) = (self.row(2), self.row(3));
         let evidence = std::array::from_fn(|bin| {
             LogOdds::from_bits((i32::from(high[bin]) * 256 + i32::from(low[bin]) - MIDDLE) as i16)
         });
@@ -75,6 +76,7 @@ impl Evidence {
             hit: evidence.map(|odds| if odds > LogOdds::ZERO { Hit::Window } else { Hit::Wall }),
             confidence: Confidence::new(&self.row(0)),
             evidence,
+            upright_edges: self.row(1),
             ..WindowEvidence::NOTHING
         }
     }
@@ -126,6 +128,7 @@ mod tests {
             hit: evidence.map(|odds: LogOdds| if odds > LogOdds::ZERO { Hit::Window } else { Hit::Wall }),
             confidence: Confidence::new(&std::array::from_fn(|bin| (bin % 17) as u8)),
             evidence,
+            upright_edges: std::array::from_fn(|bin| (bin % 7) as u8),
             ..WindowEvidence::NOTHING
         };
         let folder = tempfile::tempdir().unwrap();

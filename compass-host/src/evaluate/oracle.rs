@@ -5,10 +5,10 @@ use compass_core::base::confidence::Confidence;
 use compass_core::base::ladder::RANGE_RUNGS;
 use compass_core::base::num::{BINS, CellNats, LogOdds, Nats};
 use compass_core::base::scan::{Hit, Scan};
-use compass_core::vision::boundary::{BoundaryEvidence, CELLS, NOMINAL_ROW};
-use compass_core::vision::windows::WindowEvidence;
 use compass_core::pose::evidence::EvidenceTable;
 use compass_core::pose::{PLANES, plane_of};
+use compass_core::vision::boundary::{BoundaryEvidence, CELLS, NOMINAL_ROW};
+use compass_core::vision::windows::WindowEvidence;
 
 /// Evidence of the right hit type at the right rung, its decrease per rung, and its minimum, nats.
 const RIGHT: Nats = Nats::lit("2.5");

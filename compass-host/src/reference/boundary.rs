@@ -46,7 +46,8 @@ pub fn gray_levels(rig: &Rig, images: [Option<&GrayImage<'_>>; 2], up: Vector3<f
     let cameras: Vec<_> = rig.views().filter_map(calibrated).collect();
     let level = |surface: usize, row: usize, azimuth_deg: f64| -> Cell {
         let at = |offset: f64| {
-            let elevation = (-log_range(row as f64 + offset)).exp().atan() * if surface == 0 { -1.0 } else { 1.0 };
+            let elevation =
+                (-log_range(row as f64 + offset)).exp().atan() * if surface == 0 { -1.0 } else { 1.0 };
             let ((sin_a, cos_a), (sin_e, cos_e)) = (azimuth_deg.to_radians().sin_cos(), elevation.sin_cos());
             axes * Vector3::new(cos_e * cos_a, cos_e * sin_a, sin_e) * MEETING_M
         };
@@ -126,7 +127,8 @@ fn surface(
             let (row, bin) = ((index / BINS) as isize, (index % BINS) as isize);
             let all: Option<Vec<_>> = (-width..=width).map(|k| at(row + k, bin)).collect();
             let all = all?;
-            let sum: f64 = (1..=width as usize).map(|k| all[width as usize + k].0 - all[width as usize - k].0).sum();
+            let sum: f64 =
+                (1..=width as usize).map(|k| all[width as usize + k].0 - all[width as usize - k].0).sum();
             (all[0].1 == all[all.len() - 1].1).then_some(sum / width as f64)
         };
         (0..ROWS * BINS).map(difference).collect()
@@ -183,7 +185,9 @@ fn surface(
         let value = |row: usize| {
             let spread = tolerance.iter().zip(least..).map(|(share, distance)| {
                 let row = row.checked_add_signed(distance).filter(|row| *row < ROWS);
-                row.map_or(0.0, |row| variants.iter().map(|v| share * v[row]).sum::<f64>() / variants.len() as f64)
+                row.map_or(0.0, |row| {
+                    variants.iter().map(|v| share * v[row]).sum::<f64>() / variants.len() as f64
+                })
             });
             if known < 60 { 0.0 } else { (0.5 * 144.0 * spread.sum::<f64>() + 0.5).ln() }
         };

@@ -1,8 +1,8 @@
 //! The raster of surface, log range and azimuth that boundaries are sought on.
 
-use crate::base::ladder::{NEAREST_LOG, RUNG};
 #[cfg(doc)]
 use crate::base::ladder::NOMINAL_HEIGHT_M;
+use crate::base::ladder::{NEAREST_LOG, RUNG};
 use crate::base::num::{BINS, count_as_i32};
 
 /// Rows of a surface: log range in units of the height of the camera below the ceiling or above the floor, in steps of half

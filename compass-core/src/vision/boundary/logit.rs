@@ -47,12 +47,7 @@ type Features = [[u32; WIDTH]; 4];
 
 impl Work {
     /// Fills `cells` with the log-likelihood ratios of a boundary at each row and bin.
-    pub(super) fn weigh(
-        &mut self,
-        surface: &Surface<'_>,
-        weighing: &Weighing<'_>,
-        cells: &mut [CellNats],
-    ) {
+    pub(super) fn weigh(&mut self, surface: &Surface<'_>, weighing: &Weighing<'_>, cells: &mut [CellNats]) {
         let scales = self.scales(surface);
         for first in (0..BINS).step_by(WIDTH) {
             self.block.take(surface.gray, surface.owner, first);
@@ -74,7 +69,8 @@ impl Work {
                     let sums = self.block.sums(span, row, &SLOPES[0]);
                     for (sum, count) in sums.sum.iter().zip(sums.count) {
                         let level = u32::from(sum.unsigned_abs()) / u32::from(count.max(1));
-                        histogram[(level as usize).min(LEVELS - 1)] += u32::from(count >= FEWEST_TAPS && *sum != 0);
+                        histogram[(level as usize).min(LEVELS - 1)] +=
+                            u32::from(count >= FEWEST_TAPS && *sum != 0);
                     }
                 }
             }
@@ -103,7 +99,10 @@ impl Work {
     }
 
     /// Sums e^logit over the slopes.
-    #[expect(clippy::indexing_slicing, reason = "rows, bins and variants are below the lengths of the arrays")]
+    #[expect(
+        clippy::indexing_slicing,
+        reason = "rows, bins and variants are below the lengths of the arrays"
+    )]
     fn add_mass(&mut self, scales: [f32; 2], variants: &[Weights]) {
         let tables = &self.logarithms;
         for row in 0..ROWS {
@@ -146,7 +145,10 @@ impl Work {
     }
 
     /// Replaces the mass of the first variant by the probability of each row, the mean of the variants.
-    #[expect(clippy::indexing_slicing, reason = "rows, bins and variants are below the lengths of the arrays")]
+    #[expect(
+        clippy::indexing_slicing,
+        reason = "rows, bins and variants are below the lengths of the arrays"
+    )]
     fn normalize(&mut self, variants: usize) {
         let shares = [0, 1].map(|variant: usize| {
             let mut whole = [f32::MIN_POSITIVE; WIDTH];
@@ -180,7 +182,9 @@ impl Work {
         for (row, out) in cells.chunks_exact_mut(BINS).take(ROWS).enumerate() {
             let mut spread = [0.0_f32; WIDTH];
             for (share, distance) in kernel.iter().zip(least..) {
-                let Some(row) = row.checked_add_signed(distance).and_then(|row| self.mass[0].get(row)) else { continue };
+                let Some(row) = row.checked_add_signed(distance).and_then(|row| self.mass[0].get(row)) else {
+                    continue;
+                };
                 for b in 0..WIDTH {
                     spread[b] += share * row[b];
                 }
@@ -189,7 +193,11 @@ impl Work {
                 // Twice the ratio, so that its logarithm is not negative: ln 2 is 177/256.
                 let twice = 2.0 * (OUTLIERS * CHOICES * spread + 1.0 - OUTLIERS);
                 let ratio = self.logarithms.ln(twice) - 177;
-                *out = if rows < FEWEST_ROWS { CellNats::ZERO } else { CellNats::from_bits(round_to_i8(ratio as f32 / 16.0)) };
+                *out = if rows < FEWEST_ROWS {
+                    CellNats::ZERO
+                } else {
+                    CellNats::from_bits(round_to_i8(ratio as f32 / 16.0))
+                };
             }
         }
     }

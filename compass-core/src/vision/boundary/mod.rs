@@ -25,8 +25,8 @@ mod tuning;
 pub(crate) use cells::half_row_of;
 pub use cells::{CELLS, NOMINAL_ROW, ROWS};
 pub use evidence::BoundaryEvidence;
-pub(crate) use tuning::CEILING_SHIFT;
 pub use ranges::{RangeEstimate, RangeLikelihoods};
+pub(crate) use tuning::CEILING_SHIFT;
 
 use crate::base::num::{BINS, CellNats};
 use crate::base::raster::GrayImage;
@@ -153,7 +153,9 @@ impl<'a, 'r> BoundaryFinder<'a, 'r> {
                 (tuning::CEILING_TOLERANCE.0, &tuning::CEILING_TOLERANCE.1[..]),
             ),
         ];
-        for ((surface, variants, tolerance), cells) in weighings.into_iter().zip(evidence.chunks_exact_mut(ROWS * BINS)) {
+        for ((surface, variants, tolerance), cells) in
+            weighings.into_iter().zip(evidence.chunks_exact_mut(ROWS * BINS))
+        {
             let weighing = logit::Weighing { variants, region: &region, tolerance };
             work.logit.weigh(&surface, &weighing, cells);
         }

@@ -18,7 +18,8 @@ pub(super) fn ratios(floor: &[u8], ceiling: &[u8]) -> [i16; 256] {
     let near = histogram(&[(floor, NEAR_DEG)]);
     let far = histogram(&[(floor, BELOW_DEG), (ceiling, ABOVE_DEG)]);
     let of_bin = |bin: usize| {
-        let density = |histogram: &[f32; HISTOGRAM]| histogram.get(bin).copied().unwrap_or(0.0) + BASE_DENSITY;
+        let density =
+            |histogram: &[f32; HISTOGRAM]| histogram.get(bin).copied().unwrap_or(0.0) + BASE_DENSITY;
         F32Ext::ln(density(&near) / density(&far)).clamp(-MOST_REGION, MOST_REGION)
     };
     core::array::from_fn(|gray| {

@@ -35,12 +35,8 @@ pub(super) const FLOOR_BY_REGION: Weights = Weights {
     square: -3.31,
 };
 /// Floor, by edges alone.
-pub(super) const FLOOR: Weights = Weights {
-    edges: [weight(3.60), 0, weight(1.61), 0],
-    region: [0; 2],
-    linear: 3.25,
-    square: -4.69,
-};
+pub(super) const FLOOR: Weights =
+    Weights { edges: [weight(3.60), 0, weight(1.61), 0], region: [0; 2], linear: 3.25, square: -4.69 };
 /// Ceiling.
 pub(super) const CEILING: Weights = Weights {
     edges: [weight(2.64), weight(3.39), weight(-1.65), weight(0.23)],

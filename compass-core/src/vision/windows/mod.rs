@@ -14,6 +14,7 @@ mod introspect;
 mod panorama;
 mod planes;
 mod tuning;
+mod upright;
 mod window;
 
 pub use boxes::WindowBox;
@@ -73,6 +74,8 @@ pub struct WindowEvidence {
     /// Log odds of a window per bin, -4 to 4 nats; 0 where not seen.
     #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
     pub evidence: [LogOdds; BINS],
+    /// Class of the strongest upright edge per bin: 1 for the weakest sixth of directions to 6, 0 where not seen.
+    pub upright_edges: [u8; BINS],
     /// Number of near-vertical segments left in [`Buffers::vertical_segments`], for diagnostic images.
     pub vertical_segments: usize,
     /// Number of boxes left in [`Buffers::boxes`], for diagnostic images.
@@ -87,6 +90,7 @@ impl WindowEvidence {
         hit: [Hit::Open; BINS],
         confidence: Confidence::NONE,
         evidence: [LogOdds::ZERO; BINS],
+        upright_edges: [0; BINS],
         vertical_segments: 0,
         boxes: 0,
     };
@@ -197,6 +201,7 @@ impl<'a, 'r> WindowFinder<'a, 'r> {
     /// them and of each flank; for each column the boxes that start or end there.
     #[inline(always)]
     pub fn finish(mut self, windows: &mut [Window]) -> WindowEvidence {
+        let upright_edges = upright::classes(self.buffers.gray, self.resolution);
         planes::normalize(self.buffers.gray, self.buffers.texture, self.resolution);
         let planes =
             Planes { rank: self.buffers.gray, texture: self.buffers.texture, resolution: self.resolution };
@@ -211,6 +216,7 @@ impl<'a, 'r> WindowFinder<'a, 'r> {
         let mut found = WindowEvidence {
             truncated: self.truncated,
             hit: [Hit::Wall; BINS],
+            upright_edges,
             vertical_segments: self.vertical_segments,
             boxes: proposed,
             ..WindowEvidence::NOTHING
