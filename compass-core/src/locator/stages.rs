@@ -411,8 +411,31 @@ fn trace_windows<M: AsMut<[u32]>, T: Trace, const LAYERS: usize>(locator: &mut L
 }
 
 /// The boundaries of floor and ceiling in both frames.
+#[inline(always)]
+fn find_boundaries<M: AsMut<[u32]>, T: Trace, const LAYERS: usize>(
+    locator: &mut Locator<'_, M, T, LAYERS>,
+    frames: &Frames<'_>,
+    frame: LevelFrame,
+) {
+    if T::INLINED {
+        find_boundaries_in(locator, frames, frame);
+    } else {
+        find_boundaries_apart(locator, frames, frame);
+    }
+}
+
+/// [`find_boundaries_in`] with code and stack of its own.
 #[inline(never)]
-fn find_boundaries<M: AsMut<[u32]>, T, const LAYERS: usize>(
+fn find_boundaries_apart<M: AsMut<[u32]>, T, const LAYERS: usize>(
+    locator: &mut Locator<'_, M, T, LAYERS>,
+    frames: &Frames<'_>,
+    frame: LevelFrame,
+) {
+    find_boundaries_in(locator, frames, frame);
+}
+
+#[inline(always)]
+fn find_boundaries_in<M: AsMut<[u32]>, T, const LAYERS: usize>(
     locator: &mut Locator<'_, M, T, LAYERS>,
     frames: &Frames<'_>,
     frame: LevelFrame,

@@ -142,7 +142,8 @@ pub fn search<const N: usize>(
             let Some(packed) = layer.packed(candidate) else { continue };
             let rays = Rows::<N>::rough_rays(packed);
             scores.fill(heights, N / 2, |source, out| rows.rough_scores(&rays, source, out));
-            if !pool.is_worth(Rows::<N>::of_360(scores.top(N / 2)).saturating_add(SLACK)) {
+            scores.keep(|top| pool.is_worth(Rows::<N>::of_360(top).saturating_add(SLACK)));
+            if !scores.is_kept() {
                 continue;
             }
             let runs = Rows::<N>::runs_of(packed);
@@ -166,6 +167,8 @@ pub fn search<const N: usize>(
 struct Scores<const N: usize> {
     cameras: [[i16; N]; HeightGrid::CAMERAS],
     ceilings: [[i16; N]; HeightGrid::CEILINGS],
+    /// The largest sum at each camera height; [`i16::MIN`] for one that is left out.
+    tops: [i16; HeightGrid::CAMERAS],
     /// The sum at the best heights.
     best: [i16; N],
 }
@@ -174,22 +177,34 @@ impl<const N: usize> Scores<N> {
     const NONE: Self = Self {
         cameras: [[0; N]; HeightGrid::CAMERAS],
         ceilings: [[0; N]; HeightGrid::CEILINGS],
+        tops: [0; HeightGrid::CAMERAS],
         best: [0; N],
     };
 
-    /// Scores the first `headings` by each source, and their sums at the best heights.
+    /// Scores the first `headings` by each source, and their sums at the best heights: of all camera heights if `headings` is
+    /// a part of N, else of those that are [kept](Self::keep).
     #[inline]
     fn fill(&mut self, grid: &HeightGrid, headings: usize, score: impl Fn(Source, &mut [i16; N])) {
-        for (scores, height) in self.cameras.iter_mut().zip(grid.cameras()) {
-            score(Source::Floor(*height), scores);
+        if headings < N {
+            let cameras = grid.cameras().len();
+            self.tops = core::array::from_fn(|camera| if camera < cameras { 0 } else { i16::MIN });
         }
-        for (scores, height) in self.ceilings.iter_mut().zip(grid.ceilings()) {
+        let kept = |camera: &usize| self.tops.get(*camera).is_some_and(|top| *top > i16::MIN);
+        let rooms = (0..grid.cameras().len()).filter(kept).map(|camera| grid.rooms(camera));
+        let rooms = rooms.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end)).unwrap_or(0..0);
+        let ceilings = self.ceilings.iter_mut().zip(grid.ceilings());
+        for (scores, height) in ceilings.take(rooms.end).skip(rooms.start) {
             score(Source::Ceiling(*height), scores);
         }
         let mut hits = [0; N];
         score(Source::HitType, &mut hits);
-        let mut best = [i16::MIN; N];
-        for (camera, floor) in self.cameras.iter().enumerate().take(grid.cameras().len()) {
+        self.best = [i16::MIN; N];
+        let cameras = self.cameras.iter_mut().zip(&mut self.tops).zip(grid.cameras()).enumerate();
+        for (camera, ((floor, top), height)) in cameras {
+            if *top == i16::MIN {
+                continue;
+            }
+            score(Source::Floor(*height), floor);
             let mut above = [i16::MIN; N];
             for ceiling in self.ceilings.get(grid.rooms(camera)).unwrap_or_default() {
                 for (above, ceiling) in above.iter_mut().zip(ceiling).take(headings) {
@@ -197,13 +212,26 @@ impl<const N: usize> Scores<N> {
                 }
             }
             let prior = Rows::<N>::from_360(grid.camera_prior(camera));
-            for ((best, floor), above) in best.iter_mut().zip(floor).zip(above).take(headings) {
-                *best = (*best).max(floor.saturating_add(above).saturating_add(prior));
+            let mut most = i16::MIN;
+            let sums = self.best.iter_mut().zip(floor.iter()).zip(&above).zip(&hits).take(headings);
+            for (((best, floor), above), hits) in sums {
+                let sum = floor.saturating_add(*above).saturating_add(*hits).saturating_add(prior);
+                *best = (*best).max(sum);
+                most = most.max(sum);
             }
+            *top = most;
         }
-        for ((out, best), hits) in self.best.iter_mut().zip(best).zip(hits).take(headings) {
-            *out = best.saturating_add(hits);
+    }
+
+    /// Leaves out the camera heights whose largest sum is not worth it.
+    fn keep(&mut self, is_worth: impl Fn(i16) -> bool) {
+        for top in &mut self.tops {
+            *top = if is_worth(*top) { *top } else { i16::MIN };
         }
+    }
+
+    fn is_kept(&self) -> bool {
+        self.tops.iter().any(|top| *top > i16::MIN)
     }
 
     fn top(&self, headings: usize) -> i16 {
@@ -213,19 +241,25 @@ impl<const N: usize> Scores<N> {
     /// The heights that a heading has its score at.
     fn heights(&self, grid: &HeightGrid, heading: usize) -> [i8; 2] {
         let at = |scores: &[i16; N]| scores.get(heading).copied().unwrap_or(i16::MIN);
-        let pairs =
-            self.cameras.iter().enumerate().zip(grid.cameras()).flat_map(|((camera, floor), height)| {
-                let ceilings = self.ceilings.iter().zip(grid.ceilings());
-                let rooms = grid.rooms(camera);
-                let rooms = ceilings.skip(rooms.start).take(rooms.len());
-                let prior = Rows::<N>::from_360(grid.camera_prior(camera));
-                let sum = move |above: i16| at(floor).saturating_add(above).saturating_add(prior);
-                rooms.map(move |(above, ceiling)| (sum(at(above)), [*height, *ceiling]))
-            });
-        pairs.fold((i16::MIN, [0; 2]), |best, here| if here.0 > best.0 { here } else { best }).1
+        let mut best = (i16::MIN, [0; 2]);
+        let cameras = self.cameras.iter().zip(&self.tops).zip(grid.cameras()).enumerate();
+        for (camera, ((floor, top), height)) in cameras {
+            if *top == i16::MIN {
+                continue;
+            }
+            let floor = at(floor).saturating_add(Rows::<N>::from_360(grid.camera_prior(camera)));
+            let rooms = grid.rooms(camera);
+            let ceilings = self.ceilings.iter().zip(grid.ceilings()).skip(rooms.start).take(rooms.len());
+            for (above, ceiling) in ceilings {
+                let sum = floor.saturating_add(at(above));
+                if sum > best.0 {
+                    best = (sum, [*height, *ceiling]);
+                }
+            }
+        }
+        best.1
     }
 }
-
 /// The best heading and the best one at least [`SECOND_DEGREES`] from it, with their scores; of equal ones the first.
 fn peaks<const N: usize>(scores: &[i16; N]) -> impl Iterator<Item = (usize, i16)> {
     let first = best(scores.iter().copied().enumerate());

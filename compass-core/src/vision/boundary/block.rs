@@ -53,6 +53,7 @@ pub(super) struct Sums {
 
 impl Block {
     /// Takes the block that begins at a bin from the raster of one surface.
+    #[inline(always)]
     pub(super) fn take(&mut self, gray: &[u8], owner: &[[u8; OWNER_BYTES]], first: usize) {
         let rows = gray.chunks_exact(BINS).zip(owner);
         for ((out, owners), (row, bits)) in self.gray.iter_mut().zip(&mut self.owner).zip(rows) {
@@ -68,6 +69,7 @@ impl Block {
     }
 
     #[expect(clippy::indexing_slicing, reason = "rows and bins are below the lengths of the arrays")]
+    #[inline(always)]
     fn differentiate(&mut self, span: usize) {
         let reach = SPANS[span];
         // Quarters of gray levels: the mean over `reach` rows, times 4.
@@ -100,7 +102,7 @@ impl Block {
     }
 
     /// Sums along a slope through a row.
-    #[inline]
+    #[inline(always)]
     #[expect(clippy::indexing_slicing, reason = "rows and bins are below the lengths of the arrays")]
     pub(super) fn sums(&self, span: usize, row: usize, slope: &[isize; 2 * REACH + 1]) -> Sums {
         let mut sums = Sums { sum: [0; WIDTH], squares: [0; WIDTH], count: [0; WIDTH] };

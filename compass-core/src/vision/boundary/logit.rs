@@ -47,6 +47,7 @@ type Features = [[u32; WIDTH]; 4];
 
 impl Work {
     /// Fills `cells` with the log-likelihood ratios of a boundary at each row and bin.
+    #[inline(always)]
     pub(super) fn weigh(&mut self, surface: &Surface<'_>, weighing: &Weighing<'_>, cells: &mut [CellNats]) {
         let scales = self.scales(surface);
         for first in (0..BINS).step_by(WIDTH) {
@@ -60,6 +61,7 @@ impl Work {
 
     /// Percentile of the level edges at each span, gray levels.
     #[expect(clippy::indexing_slicing, reason = "levels are below 1024")]
+    #[inline(always)]
     fn scales(&mut self, surface: &Surface<'_>) -> [f32; 2] {
         self.histograms = [[0; LEVELS]; 2];
         for first in (0..BINS).step_by(WIDTH) {
@@ -87,6 +89,7 @@ impl Work {
     }
 
     #[expect(clippy::indexing_slicing, reason = "gray levels index 256 ratios")]
+    #[inline(always)]
     fn sum_region(&mut self, ratios: &[i16; 256]) {
         self.region[0] = [0; WIDTH];
         for row in 0..ROWS {
@@ -103,6 +106,7 @@ impl Work {
         clippy::indexing_slicing,
         reason = "rows, bins and variants are below the lengths of the arrays"
     )]
+    #[inline(always)]
     fn add_mass(&mut self, scales: [f32; 2], variants: &[Weights]) {
         let tables = &self.logarithms;
         for row in 0..ROWS {
@@ -128,7 +132,8 @@ impl Work {
             for slope in &SLOPES {
                 let features = features(&self.block, row, slope, scales);
                 for b in 0..WIDTH {
-                    let logs = features.map(|feature| tables.at(feature[b]));
+                    let [g1, t1, g4, t4] = features.each_ref().map(|feature| feature[b]);
+                    let logs = [tables.at(g1), tables.significance(t1), tables.at(g4), tables.significance(t4)];
                     for (variant, weights) in variants.iter().enumerate() {
                         let sum: i32 = weights.edges.iter().zip(logs).map(|(weight, log)| weight * log).sum();
                         mass[variant][b] += tables.exp(sum + priors[variant][b]);
@@ -149,6 +154,7 @@ impl Work {
         clippy::indexing_slicing,
         reason = "rows, bins and variants are below the lengths of the arrays"
     )]
+    #[inline(always)]
     fn normalize(&mut self, variants: usize) {
         let shares = [0, 1].map(|variant: usize| {
             let mut whole = [f32::MIN_POSITIVE; WIDTH];
@@ -170,6 +176,7 @@ impl Work {
 
     /// Spreads the probabilities by the tolerance; stores their log-likelihood ratios.
     #[expect(clippy::indexing_slicing, reason = "rows and bins are below the lengths of the arrays")]
+    #[inline(always)]
     fn spread(&self, weighing: &Weighing<'_>, first: usize, cells: &mut [CellNats]) {
         let mut rows = [0_u8; WIDTH];
         for row in 0..ROWS {
@@ -204,7 +211,7 @@ impl Work {
 }
 
 /// Features along a slope through a row: strength over the frame's scale, and significance, at both spans.
-#[inline]
+#[inline(always)]
 #[expect(clippy::indexing_slicing, reason = "bins and features are below the lengths of the arrays")]
 fn features(block: &Block, row: usize, slope: &[isize; 2 * REACH + 1], scales: [f32; 2]) -> Features {
     let mut features = [[0; WIDTH]; 4];
@@ -220,9 +227,8 @@ fn features(block: &Block, row: usize, slope: &[isize; 2 * REACH + 1], scales: [
             let sum = if known { sum } else { 0.0 };
             // The sum over the deviation of a sum: n times the mean over n times the deviation of the mean.
             let variance = (n * squares[b] as f32 - sum * sum).max(0.0) / n + 16.0 * NOISE_VARIANCE * n * n;
-            let significance = sum / libm::sqrtf(variance);
             features[2 * span][b] = Logarithms::index(1.0 + strength * sum / n);
-            features[2 * span + 1][b] = Logarithms::index(1.0 + significance);
+            features[2 * span + 1][b] = Logarithms::square_index(sum * sum / variance);
         }
     }
     features

@@ -125,6 +125,7 @@ impl<'a, 'r> BoundaryFinder<'a, 'r> {
     ///
     /// # Cost
     /// Per surface and bin two azimuth samples of 181 rows, each the mean of at most 4 pixel samples.
+    #[inline(always)]
     pub fn add(&mut self, camera: usize, image: &GrayImage<'_>, excluded: ExclusionMask<'_>) {
         let seen = CameraView { rig: self.rig, camera, level: self.level, image, excluded };
         polar::draw(self.buffers.gray, &mut self.buffers.work.owner, &seen);
@@ -135,6 +136,7 @@ impl<'a, 'r> BoundaryFinder<'a, 'r> {
     /// # Cost
     /// For each of the [`CELLS`], 98 additions and products, and 28 table look-ups for each slope.
     #[must_use]
+    #[inline(always)]
     pub fn finish(self) -> BoundaryEvidence<'a> {
         let Buffers { gray, work, evidence } = self.buffers;
         work.logit.logarithms.fill();

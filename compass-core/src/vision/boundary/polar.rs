@@ -36,6 +36,7 @@ const AZIMUTHS: [(i32, usize); 8] = [(1, 0), (3, 1), (5, 1), (7, 2), (9, 2), (11
 const COARSE_AZIMUTHS: [(i32, usize); 4] = [(0, 0), (4, 1), (8, 2), (12, 3)];
 /// Adds one camera's image to the raster of gray levels by surface (floor, ceiling), row and bin: 0 where unknown. Each
 /// cell that camera 1 sees is marked by a bit of `owner`.
+#[inline(always)]
 pub(super) fn draw(gray: &mut [u8], owner: &mut [[u8; OWNER_BYTES]], seen: &CameraView<'_>) {
     let (Some(projector), Some(view)) = (Projector::new(seen), seen.rig.view(seen.camera)) else {
         return;
@@ -77,6 +78,7 @@ fn elevation(row: usize) -> (f32, f32) {
 /// The gray levels of the rows, at an azimuth `across` sixteenths of the way between two columns of nodes; 0
 /// where unknown, excluded, or nearer to the axis of the other camera.
 #[expect(clippy::indexing_slicing, reason = "coordinates 0, 1 and 2 of arrays of three")]
+#[inline(always)]
 fn sample(
     samples: &mut [u8; ROWS],
     (right, left): (&[Node; NODES], &[Node; NODES]),
@@ -124,6 +126,7 @@ fn taps(a: [i32; 3], b: [i32; 3]) -> i32 {
     clippy::cast_sign_loss,
     reason = "the mean of gray levels is a gray level"
 )]
+#[inline(always)]
 fn mean(taps: i32, gray: impl Fn(i32) -> u8) -> u8 {
     let mut sum = 0;
     for tap in 0..taps {
@@ -137,6 +140,7 @@ fn mean(taps: i32, gray: impl Fn(i32) -> u8) -> u8 {
 }
 
 /// Stores the gray levels of one azimuth sample in its bin, or their mean with those of the bin's other sample.
+#[inline(always)]
 fn store(gray: &mut [u8], owner: &mut [[u8; OWNER_BYTES]], bin: usize, samples: &[u8; ROWS], camera: usize) {
     for ((row, owner), sample) in gray.chunks_exact_mut(BINS).zip(owner).zip(samples) {
         let (Some(cell), Some(owner)) = (row.get_mut(bin), owner.get_mut(bin / 8)) else { return };

@@ -82,8 +82,29 @@ fn strength(gray: &[u8], border: usize, resolution: Resolution) -> f32 {
             let (n, width) = (n as f32, width as f32);
             let mean = whole as f32 / (n * width);
             let variance = (squares as f32 / (n * width * width) - mean * mean).max(0.0);
-            sum += F32Ext::ln(1.0 + mean.abs() / libm::sqrtf(variance / n + NOISE_VARIANCE));
+            sum += F32Ext::ln(1.0 + mean.abs() * inverse_root(variance / n + NOISE_VARIANCE));
         }
     }
     sum
+}
+
+/// `1 / sqrt(value)` within 0.5 %: a step of Newton's method from micromath's estimate.
+#[inline(always)]
+fn inverse_root(value: f32) -> f32 {
+    let estimate = F32Ext::invsqrt(value);
+    estimate * (1.5 - 0.5 * value * estimate * estimate)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn inverse_roots_are_within_their_bound() {
+        for k in 1..4000_u16 {
+            let value = 1.0 + f32::from(k) * f32::from(k) / 1000.0;
+            let error = inverse_root(value) * value.sqrt() - 1.0;
+            assert!(error.abs() < 0.005, "{value}: {error}");
+        }
+    }
 }
