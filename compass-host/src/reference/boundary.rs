@@ -69,10 +69,7 @@ pub fn gray_levels(rig: &Rig, images: [Option<&GrayImage<'_>>; 2], up: Vector3<f
     };
     let cell = |index: usize| {
         let (surface, row, bin) = (index / (ROWS * BINS), index / BINS % ROWS, index % BINS);
-        let samples: Vec<_> =
-            [-0.25, 0.25].iter().filter_map(|off| level(surface, row, bin as f64 + off)).collect();
-        let mean = samples.iter().map(|sample| sample.0).sum::<f64>() / samples.len() as f64;
-        samples.last().map(|last| (mean, last.1))
+        level(surface, row, bin as f64)
     };
     (0..CELLS).into_par_iter().map(cell).collect()
 }
@@ -91,7 +88,7 @@ fn gray(image: &GrayImage<'_>, [x, y]: [f64; 2]) -> Option<f64> {
 }
 
 /// Slopes of boundaries, rungs per degree.
-const SLOPES: [f64; 7] = [0.0, 0.25, -0.25, 0.6, -0.6, 1.2, -1.2];
+const SLOPES: [f64; 5] = [0.0, 0.6, -0.6, 1.2, -1.2];
 /// Weights of the logarithms of strength and significance at widths of 1 and 4 rows, of the regions nearer and farther, and
 /// of u and u^2.
 const FLOOR_BY_REGION: [f64; 8] = [2.93, 1.69, -1.33, 0.54, 1.09, 1.01, 2.75, -3.31];

@@ -112,14 +112,14 @@ fn window_words<'a>(windows: &'a [Window], evidence: &'a WindowEvidence) -> impl
         [left, right, top, bottom, w.score.to_bits() as u32, w.camera.into()]
     });
     let bins = evidence.hit.iter().zip(evidence.confidence.sixteenths()).zip(&evidence.evidence);
-    windows.chain(bins.flat_map(|((hit, confidence), evidence)| {
+    let bins = bins.flat_map(|((hit, confidence), evidence)| {
         [*hit as u32, u32::from(*confidence), evidence.to_bits() as u32]
-    }))
+    });
+    windows.chain(bins).chain(evidence.upright_edges.iter().copied().map(u32::from))
 }
 
 fn boundary_words<'a>(evidence: &'a BoundaryEvidence<'_>) -> impl Iterator<Item = u32> + 'a {
-    let known = evidence.known().iter().copied().map(u32::from);
-    evidence.cells().iter().copied().map(u32::from).chain(known)
+    evidence.cells().iter().map(|cell| cell.to_bits() as u32)
 }
 
 /// All poses with their scores, and the heights.

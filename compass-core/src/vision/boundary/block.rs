@@ -18,12 +18,10 @@ const PADDED: usize = WIDTH + 2 * REACH;
 /// Differences are taken over this many rows on either side.
 pub(super) const SPANS: [usize; 2] = [1, 4];
 
-/// Slopes of a boundary, in rows over the bins from 3 to the right to 3 to the left: 0, +-0.25, +-0.6 and +-1.2 rungs per
+/// Slopes of a boundary, in rows over the bins from 3 to the right to 3 to the left: 0, +-0.6 and +-1.2 rungs per
 /// degree.
-pub(super) const SLOPES: [[isize; 2 * REACH + 1]; 7] = [
+pub(super) const SLOPES: [[isize; 2 * REACH + 1]; 5] = [
     [0; 7],
-    [-2, -1, -1, 0, 1, 1, 2],
-    [2, 1, 1, 0, -1, -1, -2],
     [-4, -2, -1, 0, 1, 2, 4],
     [4, 2, 1, 0, -1, -2, -4],
     [-7, -5, -2, 0, 2, 5, 7],

@@ -124,7 +124,7 @@ impl<'a, 'r> BoundaryFinder<'a, 'r> {
     /// Adds the frame of one camera. Ignores a camera that the rig lacks.
     ///
     /// # Cost
-    /// Per surface and bin two azimuth samples of 181 rows, each the mean of at most 4 pixel samples.
+    /// Per surface and bin 181 rows, each the mean of at most 4 pixel samples.
     #[inline(always)]
     pub fn add(&mut self, camera: usize, image: &GrayImage<'_>, excluded: ExclusionMask<'_>) {
         let seen = CameraView { rig: self.rig, camera, level: self.level, image, excluded };
@@ -134,7 +134,7 @@ impl<'a, 'r> BoundaryFinder<'a, 'r> {
     /// Computes the evidence from the gray levels of all frames added, in the lent [`Buffers::evidence`].
     ///
     /// # Cost
-    /// For each of the [`CELLS`], 98 additions and products, and 28 table look-ups for each slope.
+    /// For each of the [`CELLS`], 70 additions and products, and 6 table look-ups for each of 5 slopes.
     #[must_use]
     #[inline(always)]
     pub fn finish(self) -> BoundaryEvidence<'a> {

@@ -8,7 +8,6 @@ use super::cells::{DEEPEST, ROWS, SURFACES};
 use crate::base::ladder::RUNG;
 use crate::base::num::{BINS, count_as_i32, index_of};
 use crate::base::raster::GrayImage;
-use crate::vision::panorama::Resolution;
 use crate::vision::projector::{CameraView, Node, Projector};
 use crate::vision::sample::{ExclusionMask, SUBPIXEL, sample_bilinear};
 
@@ -30,19 +29,14 @@ const TAP_PX: i32 = 2;
 const ACROSS: i32 = 16;
 /// Bytes of a row of bits, one per bin.
 pub(super) const OWNER_BYTES: usize = BINS.div_ceil(8);
-/// Azimuth samples of a patch and their bins: two per bin, a quarter of a degree to either side of its middle.
-const AZIMUTHS: [(i32, usize); 8] = [(1, 0), (3, 1), (5, 1), (7, 2), (9, 2), (11, 3), (13, 3), (15, 4)];
-/// Azimuth samples for images below 3 pixels per degree: one per bin.
-const COARSE_AZIMUTHS: [(i32, usize); 4] = [(0, 0), (4, 1), (8, 2), (12, 3)];
+/// Azimuths of a patch, in units of [`ACROSS`], one for each bin.
+const AZIMUTHS: [i32; GRID_DEG] = [0, 4, 8, 12];
+
 /// Adds one camera's image to the raster of gray levels by surface (floor, ceiling), row and bin: 0 where unknown. Each
 /// cell that camera 1 sees is marked by a bit of `owner`.
 #[inline(always)]
 pub(super) fn draw(gray: &mut [u8], owner: &mut [[u8; OWNER_BYTES]], seen: &CameraView<'_>) {
-    let (Some(projector), Some(view)) = (Projector::new(seen), seen.rig.view(seen.camera)) else {
-        return;
-    };
-    let azimuths: &[_] =
-        if Resolution::of(view) == Resolution::COARSE { &COARSE_AZIMUTHS } else { &AZIMUTHS };
+    let Some(projector) = Projector::new(seen) else { return };
     let surfaces = gray.chunks_exact_mut(ROWS * BINS).zip(owner.chunks_exact_mut(ROWS));
     for (surface, (gray, owner)) in surfaces.take(SURFACES).enumerate() {
         let elevations: [_; NODES] = core::array::from_fn(|node| {
@@ -57,7 +51,7 @@ pub(super) fn draw(gray: &mut [u8], owner: &mut [[u8; OWNER_BYTES]], seen: &Came
         for column in 0..BINS / GRID_DEG {
             let left = nodes(column + 1);
             if right.iter().zip(&left).any(|(r, l)| r.lead > 0 || l.lead > 0) {
-                for &(across, bin) in azimuths {
+                for (bin, across) in AZIMUTHS.into_iter().enumerate() {
                     let mut samples = [0; ROWS];
                     sample(&mut samples, (&right, &left), across, seen.image, seen.excluded);
                     store(gray, owner, (column * GRID_DEG + bin) % BINS, &samples, seen.camera);
@@ -139,13 +133,13 @@ fn mean(taps: i32, gray: impl Fn(i32) -> u8) -> u8 {
     (sum / taps.max(1)) as u8
 }
 
-/// Stores the gray levels of one azimuth sample in its bin, or their mean with those of the bin's other sample.
+/// Stores the gray levels of one bin.
 #[inline(always)]
 fn store(gray: &mut [u8], owner: &mut [[u8; OWNER_BYTES]], bin: usize, samples: &[u8; ROWS], camera: usize) {
     for ((row, owner), sample) in gray.chunks_exact_mut(BINS).zip(owner).zip(samples) {
         let (Some(cell), Some(owner)) = (row.get_mut(bin), owner.get_mut(bin / 8)) else { return };
         if *sample > 0 {
-            *cell = if *cell == 0 { *sample } else { cell.midpoint(*sample) };
+            *cell = *sample;
             *owner = if camera == 0 { *owner & !(1 << (bin % 8)) } else { *owner | 1 << (bin % 8) };
         }
     }
