@@ -6,7 +6,7 @@ use crate::base::num::CellNats;
 use crate::pose::PoolEntry;
 use crate::pose::evidence::EvidenceTable;
 use crate::vision::attitude::Arc;
-use crate::vision::boundary::{self, CELLS, RangeLikelihoods};
+use crate::vision::boundary::{self, CELLS, RASTER_CELLS, RangeLikelihoods};
 use crate::vision::camera::{CAMERAS, Rig};
 use crate::vision::panorama::Resolution;
 use crate::vision::segments::{self, MAX_SIDE, Segment, pixels, trail_len};
@@ -221,7 +221,7 @@ impl Layout {
     pub(super) fn boundary<'m>(&self, memory: &'m mut [u32]) -> Option<Boundary<'m>> {
         let (_, mut rest) = self.split(memory)?;
         let evidence = rest.take(CELLS)?;
-        let gray = rest.take(CELLS)?;
+        let gray = rest.take(RASTER_CELLS)?;
         let work = rest.one()?;
         Some(Boundary { evidence, gray, work })
     }

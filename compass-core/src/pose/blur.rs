@@ -2,29 +2,29 @@
 
 use crate::base::ladder::{NEAREST_M, NOMINAL_HEIGHT_M, RUNG};
 use crate::base::num::{BINS, CellNats, round_to_i8, truncate_to_index};
-use crate::vision::boundary::{BoundaryEvidence, CEILING_SHIFT, ROWS};
+use crate::vision::boundary::{BoundaryEvidence, CEILING_SHIFT, NOMINAL_RUNG, RUNGS};
 use micromath::F32Ext;
 
 /// Share of the spacing of candidates, to either side, over which ranges differ.
 const SHARE: f32 = 0.3;
-/// Largest number of rows to either side.
-const MOST_ROWS: usize = 12;
-/// Usual height of a ceiling above the camera, metres, for the ranges of its rows.
+/// Largest number of rungs to either side.
+const MOST_RUNGS: usize = 6;
+/// Usual height of a ceiling above the camera, metres, for the ranges of its rungs.
 const CEILING_M: f32 = 1.3;
 /// Fractional bits of likelihoods.
 const BITS: u32 = 8;
 
-/// Averages rows one after the other.
+/// Averages rungs one after the other.
 pub(super) struct Blur<'a> {
     evidence: &'a BoundaryEvidence<'a>,
     surface: usize,
-    /// Half of the range over which likelihoods are averaged, rows, at the first row.
+    /// Half of the range over which likelihoods are averaged, rungs, at the first rung.
     reach_m: f32,
     /// Likelihood ratios by the bits of their logarithm, from -128 on, Q8.
     likelihoods: [u32; 256],
-    /// Sums of likelihoods over `rows`.
+    /// Sums of likelihoods over `rungs`.
     sums: [u32; BINS],
-    rows: core::ops::Range<usize>,
+    rungs: core::ops::Range<usize>,
 }
 
 impl<'a> Blur<'a> {
@@ -34,28 +34,29 @@ impl<'a> Blur<'a> {
             crate::base::num::saturate_to_u32(truncate_to_index(F32Ext::exp(nats) * (1 << BITS) as f32 + 0.5))
         });
         let reach_m = spacing_m * SHARE;
-        Self { evidence, surface, reach_m, likelihoods, sums: [0; BINS], rows: 0..0 }
+        Self { evidence, surface, reach_m, likelihoods, sums: [0; BINS], rungs: 0..0 }
     }
 
-    /// The mean of a row and those around it, as a log-likelihood ratio; half of it for the ceiling. Rows are asked for in
+    /// The mean of a rung and those around it, as a log-likelihood ratio; half of it for the ceiling. Rungs are asked for in
     /// ascending order.
-    pub(super) fn row(&mut self, row: usize) -> [CellNats; BINS] {
+    pub(super) fn rung(&mut self, rung: usize) -> [CellNats; BINS] {
         let height = if self.surface == 0 { NOMINAL_HEIGHT_M } else { CEILING_M };
-        let range = NEAREST_M / NOMINAL_HEIGHT_M * height * libm::expf((row as f32 / 2.0 - 9.5) * RUNG);
-        let reach = truncate_to_index(self.reach_m / (range * RUNG / 2.0)).min(MOST_ROWS);
-        let wanted = row.saturating_sub(reach)..(row + reach + 1).min(ROWS);
+        let range =
+            NEAREST_M / NOMINAL_HEIGHT_M * height * libm::expf((rung as f32 - NOMINAL_RUNG as f32) * RUNG);
+        let reach = truncate_to_index(self.reach_m / (range * RUNG)).min(MOST_RUNGS);
+        let wanted = rung.saturating_sub(reach)..(rung + reach + 1).min(RUNGS);
         // Windows begin and end ever later, because ranges grow.
-        while self.rows.end < wanted.end {
-            self.add(self.rows.end, u32::wrapping_add);
-            self.rows.end += 1;
+        while self.rungs.end < wanted.end {
+            self.add(self.rungs.end, u32::wrapping_add);
+            self.rungs.end += 1;
         }
-        while self.rows.end > wanted.end {
-            self.rows.end -= 1;
-            self.add(self.rows.end, u32::wrapping_sub);
+        while self.rungs.end > wanted.end {
+            self.rungs.end -= 1;
+            self.add(self.rungs.end, u32::wrapping_sub);
         }
-        while self.rows.start < wanted.start {
-            self.add(self.rows.start, u32::wrapping_sub);
-            self.rows.start += 1;
+        while self.rungs.start < wanted.start {
+            self.add(self.rungs.start, u32::wrapping_sub);
+            self.rungs.start += 1;
         }
         let count = wanted.len() as f32 * 3.0 * (1 << BITS) as f32;
         let halved = if self.surface == 0 { 0 } else { CEILING_SHIFT };
@@ -67,8 +68,8 @@ impl<'a> Blur<'a> {
         })
     }
 
-    fn add(&mut self, row: usize, operation: fn(u32, u32) -> u32) {
-        let cells = self.evidence.row(self.surface, Some(row));
+    fn add(&mut self, rung: usize, operation: fn(u32, u32) -> u32) {
+        let cells = self.evidence.rung(self.surface, Some(rung));
         for (sum, cell) in self.sums.iter_mut().zip(cells) {
             let likelihood = self.likelihoods.get((i16::from(cell.to_bits()) + 128).unsigned_abs() as usize);
             *sum = operation(*sum, likelihood.copied().unwrap_or(0));

@@ -10,7 +10,7 @@ use crate::base::ladder::{FRACTION_BITS, position_of};
 use crate::base::num::{BINS, CellNats, Nats};
 use crate::base::order;
 use crate::base::scan::{Hit, Scan};
-use crate::vision::boundary::{BoundaryEvidence, CEILING_SHIFT, RangeLikelihoods, half_row_of};
+use crate::vision::boundary::{BoundaryEvidence, CEILING_SHIFT, RangeLikelihoods, rung_of};
 use crate::vision::windows::WindowEvidence;
 use core::cmp::Reverse;
 use heapless::Vec;
@@ -263,14 +263,12 @@ impl Evidence<'_> {
             };
             let bits = |cells: &[CellNats; BINS]| cells.get(bin).map_or(0, |cell| i32::from(cell.to_bits()));
             hits += bits(types);
-            let half_rungs =
-                (2 * i32::from(position_of(steps)) + (1 << (FRACTION_BITS - 1))) >> FRACTION_BITS;
+            let rung = (i32::from(position_of(steps)) + (1 << (FRACTION_BITS - 1))) >> FRACTION_BITS;
             for (sum, height) in floors.iter_mut().zip(self.grid.cameras()) {
-                *sum += bits(self.boundaries.row(0, half_row_of(half_rungs, (*height).into())));
+                *sum += bits(self.boundaries.rung(0, rung_of(rung, (*height).into())));
             }
             for (sum, height) in ceilings.iter_mut().zip(self.grid.ceilings()) {
-                *sum +=
-                    bits(self.boundaries.row(1, half_row_of(half_rungs, (*height).into()))) >> CEILING_SHIFT;
+                *sum += bits(self.boundaries.rung(1, rung_of(rung, (*height).into()))) >> CEILING_SHIFT;
             }
         }
         let cameras = 0..self.grid.cameras().len();

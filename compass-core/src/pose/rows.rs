@@ -15,7 +15,7 @@ use crate::base::ladder::{FRACTION_BITS, RANGE_RUNGS, position_of};
 use crate::base::num::BinNats;
 use crate::base::num::{BINS, CellNats, Nats};
 use crate::map::site_map::{LADDER, PACKED_SCAN_BYTES};
-use crate::vision::boundary::BoundaryEvidence;
+use crate::vision::boundary::{BoundaryEvidence, RUNGS, rung_of};
 use bytemuck::{Pod, Zeroable};
 use heapless::Vec;
 
@@ -27,10 +27,6 @@ const _: () = assert!(BINS * MOST as usize <= u16::MAX as usize, "sums fit 16 bi
 /// Largest number of headings whose prefix sums over two turns do not wrap at 2^16.
 const UNWRAPPED: usize = u16::MAX as usize / (2 * MOST as usize);
 
-/// Rows of each surface: whole rungs.
-const RUNGS: usize = 90;
-/// Rungs before rung 0 of the ranges, for a height of 1.5 m.
-const LEAD: i32 = 9;
 /// The row of zeros, and those of hit types.
 const NOTHING: usize = 2 * RUNGS;
 const WALL: usize = NOTHING + 1;
@@ -74,8 +70,7 @@ impl Source {
             Self::Floor(height) => (0, height),
             Self::Ceiling(height) => (RUNGS, height),
         };
-        let rung = i32::from(ray.rung) - i32::from(height) + LEAD;
-        usize::try_from(rung).ok().filter(|rung| *rung < RUNGS).map_or(NOTHING, |rung| base + rung)
+        rung_of(ray.rung.into(), height.into()).map_or(NOTHING, |rung| base + rung)
     }
 }
 
@@ -145,7 +140,7 @@ impl<const N: usize> Rows<N> {
         for surface in 0..2 {
             let mut blur = Blur::new(evidence, surface, spacing_m);
             for rung in 0..RUNGS {
-                self.store(surface * RUNGS + rung, &blur.row(2 * rung + 1));
+                self.store(surface * RUNGS + rung, &blur.rung(rung));
             }
         }
         self.store(NOTHING, &[CellNats::ZERO; BINS]);

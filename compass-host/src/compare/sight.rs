@@ -84,7 +84,7 @@ impl Differences {
     }
 
     fn add_ranges(&mut self, rig: &Rig, images: &[GrayImage<'_>; 2], level: LevelFrame) {
-        let mut gray = vec![0; boundary::CELLS];
+        let mut gray = vec![0; boundary::RASTER_CELLS];
         let mut work = Box::<boundary::Work>::default();
         let mut evidence = vec![CellNats::ZERO; boundary::CELLS];
         let buffers = boundary::Buffers { gray: &mut gray, work: &mut work, evidence: &mut evidence };

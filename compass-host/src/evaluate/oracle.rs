@@ -7,7 +7,7 @@ use compass_core::base::num::{BINS, CellNats, LogOdds, Nats};
 use compass_core::base::scan::{Hit, Scan};
 use compass_core::pose::evidence::EvidenceTable;
 use compass_core::pose::{PLANES, plane_of};
-use compass_core::vision::boundary::{BoundaryEvidence, CELLS, NOMINAL_ROW};
+use compass_core::vision::boundary::{BoundaryEvidence, CELLS, NOMINAL_RUNG, RUNGS};
 use compass_core::vision::windows::WindowEvidence;
 
 /// Evidence of the right hit type at the right rung, its decrease per rung, and its minimum, nats.
@@ -29,21 +29,20 @@ pub fn sharp(scan: &Scan, table: &mut EvidenceTable) {
 }
 
 /// The evidence of an ideal observer of a scan from a camera 1.5 m above the floor: 2.5 nats for the boundary of the floor
-/// at the right row, decreasing with the distance in rungs, -1 nat elsewhere; and log odds of +-4 of the right hit type.
+/// at the right rung, decreasing with the distance in rungs, -1 nat elsewhere; and log odds of +-4 of the right hit type.
 #[must_use]
 pub fn perfect(scan: &Scan) -> Evidence {
     let mut cells = vec![CellNats::ZERO; CELLS];
-    let rows = CELLS / BINS / 2;
     let mut windows = WindowEvidence { hit: scan.hit, ..WindowEvidence::NOTHING };
     let mut confidence = [0; BINS];
     for (bin, (&steps, &hit)) in scan.steps.iter().zip(&scan.hit).enumerate() {
         if hit == Hit::Open {
             continue;
         }
-        let seen = NOMINAL_ROW + 2 * usize::from(plane_of(steps, Hit::Wall));
-        for row in 0..rows {
-            let value = (RIGHT - PER_RUNG / 2 * row.abs_diff(seen) as i32).max(WRONG);
-            cells[row * BINS + bin] = CellNats::from_num(value);
+        let seen = NOMINAL_RUNG + usize::from(plane_of(steps, Hit::Wall));
+        for rung in 0..RUNGS {
+            let value = (RIGHT - PER_RUNG * rung.abs_diff(seen) as i32).max(WRONG);
+            cells[rung * BINS + bin] = CellNats::from_num(value);
         }
         confidence[bin] = 16;
         windows.evidence[bin] = LogOdds::from_num(if hit == Hit::Window { 4 } else { -4 });

@@ -14,6 +14,8 @@ pub const ROWS: usize = 181;
 pub const BINS: usize = 360;
 /// Cells of both surfaces.
 pub const CELLS: usize = 2 * ROWS * BINS;
+/// Rungs of evidence: every second row, from the second on.
+pub const RUNGS: usize = ROWS / 2;
 
 /// Ranges from 0.4 m to 30 m span 71 rungs; row 0 lies 9.5 rungs before 0.4 m at a height of 1.5 m.
 const NEAREST_M: f64 = 0.4;
@@ -94,12 +96,11 @@ const SLOPES: [f64; 5] = [0.0, 0.6, -0.6, 1.2, -1.2];
 const FLOOR_BY_REGION: [f64; 8] = [2.93, 1.69, -1.33, 0.54, 1.09, 1.01, 2.75, -3.31];
 const FLOOR: [f64; 8] = [3.60, 0.0, 1.61, 0.0, 0.0, 0.0, 3.25, -4.69];
 const CEILING: [f64; 8] = [2.64, 3.39, -1.65, 0.23, 0.0, 0.0, 1.91, -4.70];
-/// Probability of the image's boundary by its distance from the plan's, rows, and the first distance.
-const FLOOR_TOLERANCE: (isize, &[f64]) =
-    (-3, &[0.03, 0.05, 0.10, 0.15, 0.16, 0.15, 0.12, 0.08, 0.06, 0.04, 0.03, 0.03]);
-const CEILING_TOLERANCE: (isize, &[f64]) = (-4, &[0.04, 0.08, 0.12, 0.16, 0.20, 0.16, 0.12, 0.08, 0.04]);
+/// Probability of the image's boundary by its distance from the plan's, rungs, and the first distance.
+const FLOOR_TOLERANCE: (isize, &[f64]) = (-2, &[0.015, 0.115, 0.28, 0.29, 0.17, 0.085, 0.045]);
+const CEILING_TOLERANCE: (isize, &[f64]) = (-2, &[0.08, 0.24, 0.36, 0.24, 0.08]);
 
-/// Evidence of every cell in nats, from its gray level.
+/// Evidence in nats by surface, rung and bin, from the gray levels of the cells.
 #[must_use]
 pub fn evidence(cells: &[Cell]) -> Vec<f64> {
     let (floor, ceiling) = cells.split_at(ROWS * BINS);
@@ -147,7 +148,8 @@ fn surface(
         [mean.abs(), mean.abs() / (variance.max(0.0) / n + 0.35 * 0.35).sqrt()]
     };
     let scales = [0, 1].map(|width| {
-        let level = (0..ROWS * BINS).map(|index| oriented(width, index / BINS, index % BINS, 0.0)[0]);
+        let level =
+            (0..RUNGS * BINS).map(|index| oriented(width, 2 * (index / BINS) + 1, index % BINS, 0.0)[0]);
         let mut strengths: Vec<f64> = level.filter(|strength| *strength > 0.0).collect();
         strengths.sort_by(f64::total_cmp);
         strengths.get(strengths.len() / 10 * 9).copied().unwrap_or(0.0).max(1.0)
@@ -173,7 +175,7 @@ fn surface(
                     sum_over_slopes.sum()
                 })
             };
-            let mass: Vec<f64> = (0..ROWS).map(of_row).collect();
+            let mass: Vec<f64> = (0..RUNGS).map(|rung| of_row(2 * rung + 1)).collect();
             let whole: f64 = mass.iter().sum();
             mass.iter().map(|m| if whole > 0.0 { m / whole } else { 0.0 }).collect()
         };
@@ -186,12 +188,12 @@ fn surface(
                     variants.iter().map(|v| share * v[row]).sum::<f64>() / variants.len() as f64
                 })
             });
-            if known < 60 { 0.0 } else { (0.5 * 144.0 * spread.sum::<f64>() + 0.5).ln() }
+            if known < 60 { 0.0 } else { (0.5 * 72.0 * spread.sum::<f64>() + 0.5).ln() }
         };
-        (0..ROWS).map(value).collect()
+        (0..RUNGS).map(value).collect()
     };
     let columns: Vec<Vec<f64>> = (0..BINS).into_par_iter().map(column).collect();
-    (0..ROWS * BINS).map(|index| columns[index % BINS][index / BINS]).collect()
+    (0..RUNGS * BINS).map(|index| columns[index % BINS][index / BINS]).collect()
 }
 
 /// Gray levels of a bin of a histogram, and bins.

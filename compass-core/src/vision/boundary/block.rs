@@ -13,6 +13,8 @@ use bytemuck::{Pod, Zeroable};
 pub(super) const WIDTH: usize = 40;
 /// Bins on either side that an oriented mean takes in.
 pub(super) const REACH: usize = 3;
+/// Bins that an oriented mean takes in.
+pub(super) const TAPS: usize = 2 * REACH + 1;
 /// Bins of a block with those on either side.
 const PADDED: usize = WIDTH + 2 * REACH;
 /// Differences are taken over this many rows on either side.
@@ -20,7 +22,7 @@ pub(super) const SPANS: [usize; 2] = [1, 4];
 
 /// Slopes of a boundary, in rows over the bins from 3 to the right to 3 to the left: 0, +-0.6 and +-1.2 rungs per
 /// degree.
-pub(super) const SLOPES: [[isize; 2 * REACH + 1]; 5] = [
+pub(super) const SLOPES: [[isize; TAPS]; 5] = [
     [0; 7],
     [-4, -2, -1, 0, 1, 2, 4],
     [4, 2, 1, 0, -1, -2, -4],
@@ -39,6 +41,8 @@ pub(super) struct Block {
     difference: [[[i16; PADDED]; ROWS]; 2],
     /// 1 where the difference is known, else 0.
     known: [[[u8; PADDED]; ROWS]; 2],
+    /// Whether all differences of a row are known.
+    whole: [[u8; ROWS + 1]; 2],
 }
 
 /// Sums over the known of seven differences.
@@ -74,6 +78,7 @@ impl Block {
         let scale = 4 / reach as i16;
         self.difference[span] = [[0; PADDED]; ROWS];
         self.known[span] = [[0; PADDED]; ROWS];
+        self.whole[span] = [0; ROWS + 1];
         for row in reach..ROWS - reach {
             let mut sums = [0_i16; PADDED];
             let mut known = [u8::MAX; PADDED];
@@ -85,11 +90,14 @@ impl Block {
                 }
             }
             let (near, far) = (&self.owner[row - reach], &self.owner[row + reach]);
+            let mut whole = 1;
             for b in 0..PADDED {
                 let is_known = known[b].min(self.gray[row][b]) > 0 && near[b] == far[b];
                 self.known[span][row][b] = u8::from(is_known);
                 self.difference[span][row][b] = if is_known { sums[b] * scale } else { 0 };
+                whole &= u8::from(is_known);
             }
+            self.whole[span][row] = whole;
         }
     }
 
@@ -102,16 +110,27 @@ impl Block {
     /// Sums along a slope through a row.
     #[inline(always)]
     #[expect(clippy::indexing_slicing, reason = "rows and bins are below the lengths of the arrays")]
-    pub(super) fn sums(&self, span: usize, row: usize, slope: &[isize; 2 * REACH + 1]) -> Sums {
-        let mut sums = Sums { sum: [0; WIDTH], squares: [0; WIDTH], count: [0; WIDTH] };
-        for (offset, rows) in slope.iter().enumerate() {
-            let Some(at) = row.checked_add_signed(*rows).filter(|row| *row < ROWS) else { continue };
-            let (difference, known) = (&self.difference[span][at], &self.known[span][at]);
+    pub(super) fn sums(&self, span: usize, row: usize, slope: &[isize; TAPS]) -> Sums {
+        const NONE: (&[i16; PADDED], &[u8; PADDED]) = (&[0; PADDED], &[0; PADDED]);
+        let mut whole = true;
+        let rows = slope.map(|offset| {
+            let at = row.checked_add_signed(offset).filter(|row| *row < ROWS);
+            whole &= at.is_some_and(|at| self.whole[span][at] != 0);
+            at.map_or(NONE, |at| (&self.difference[span][at], &self.known[span][at]))
+        });
+        let mut sums = Sums { sum: [0; WIDTH], squares: [0; WIDTH], count: [TAPS as u8; WIDTH] };
+        for b in 0..WIDTH {
+            let (mut sum, mut squares) = (0, 0);
+            for (offset, (difference, _)) in rows.iter().enumerate() {
+                let d = i32::from(difference[b + offset]);
+                sum += d;
+                squares += d * d;
+            }
+            (sums.sum[b], sums.squares[b]) = (sum as i16, squares);
+        }
+        if !whole {
             for b in 0..WIDTH {
-                let d = difference[b + offset];
-                sums.sum[b] += d;
-                sums.squares[b] += i32::from(d) * i32::from(d);
-                sums.count[b] += known[b + offset];
+                sums.count[b] = rows.iter().enumerate().map(|(offset, (_, known))| known[b + offset]).sum();
             }
         }
         sums

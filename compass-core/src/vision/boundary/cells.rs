@@ -1,34 +1,35 @@
-//! The raster of surface, log range and azimuth that boundaries are sought on.
+//! The rasters of surface, log range and azimuth that boundaries are sought on.
 
 #[cfg(doc)]
 use crate::base::ladder::NOMINAL_HEIGHT_M;
 use crate::base::ladder::{NEAREST_LOG, RUNG};
 use crate::base::num::{BINS, count_as_i32};
 
-/// Rows of a surface: log range in units of the height of the camera below the ceiling or above the floor, in steps of half
-/// a rung, nearest first.
+/// Rows of the raster of gray levels, for each surface: log range in units of the height of the camera above the floor or of
+/// the ceiling above the camera, in steps of half a rung, nearest first.
 pub const ROWS: usize = 181;
+/// Rungs of evidence, for each surface: every second row of the raster, from the second on.
+pub const RUNGS: usize = ROWS / 2;
 /// Number of surfaces: floor, ceiling.
 pub(super) const SURFACES: usize = 2;
-/// Rungs below rung 0 of the range ladder, for [`NOMINAL_HEIGHT_M`].
-pub(super) const LEAD: usize = 9;
-/// Natural logarithm of the range of row 0 in units of the height: for [`NOMINAL_HEIGHT_M`] rung 0 of the range ladder is
-/// row `2 LEAD + 1`.
-pub(super) const DEEPEST: f32 = NEAREST_LOG - (LEAD as f32 + 0.5) * RUNG;
-/// The row of rung 0 of the range ladder for [`NOMINAL_HEIGHT_M`]; those of the next rungs are every second row.
-pub const NOMINAL_ROW: usize = 2 * LEAD + 1;
-/// Cells of both surfaces: floor first, then by row and bin.
-pub const CELLS: usize = SURFACES * ROWS * BINS;
+/// The rung of evidence of the first range, 0.4 m, for [`NOMINAL_HEIGHT_M`].
+pub const NOMINAL_RUNG: usize = 9;
+/// Natural logarithm of the range of row 0 in units of the height.
+pub(super) const DEEPEST: f32 = NEAREST_LOG - (NOMINAL_RUNG as f32 + 0.5) * RUNG;
+/// Cells of the raster: floor first, then by row and bin.
+pub const RASTER_CELLS: usize = SURFACES * ROWS * BINS;
+/// Cells of evidence: floor first, then by rung and bin.
+pub const CELLS: usize = SURFACES * RUNGS * BINS;
 
-/// The row of a rung of the range ladder for a height in rungs, or `None` outside the raster.
+/// The rung of evidence of a rung of the range ladder for a height in rungs; `None` outside.
 #[must_use]
-pub(crate) fn row_of(rung: i32, height: i32) -> Option<usize> {
-    half_row_of(2 * rung, height)
+pub(crate) fn rung_of(range_rung: i32, height: i32) -> Option<usize> {
+    let rung = range_rung - height + count_as_i32(NOMINAL_RUNG);
+    usize::try_from(rung).ok().filter(|rung| *rung < RUNGS)
 }
 
-/// The row of half a rung of the range ladder for a height in rungs, or `None` outside the raster.
+/// The row of the raster of a rung of evidence.
 #[must_use]
-pub(crate) fn half_row_of(half_rungs: i32, height: i32) -> Option<usize> {
-    let row = half_rungs + 2 * (count_as_i32(LEAD) - height) + 1;
-    usize::try_from(row).ok().filter(|row| *row < ROWS)
+pub(super) const fn row_of(rung: usize) -> usize {
+    2 * rung + 1
 }

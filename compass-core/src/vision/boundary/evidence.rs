@@ -1,19 +1,19 @@
 //! Evidence of the boundaries of floor and ceiling.
 
-use super::cells::{CELLS, ROWS};
+use super::cells::{CELLS, RUNGS};
 use super::ranges::{self, RangeLikelihoods};
 use super::tuning::CEILINGS;
 use crate::base::ladder::height_m;
 use crate::base::num::{BINS, CellNats, Nats};
 
-/// Log-likelihood ratios of a boundary of the floor and of the ceiling, per direction and row of log range.
+/// Log-likelihood ratios of a boundary of the floor and of the ceiling, per direction and rung of log range.
 ///
 /// Floor and ceiling are independent sources, each in units of its own height: the camera's above the floor, the ceiling's
 /// above the camera. Their sum for two heights is [`RangeLikelihoods`].
 ///
 /// # Formats
-/// Cells in [`CellNats`]: -0.7 to 4.3 nats, and 0 in a bin of which too little was seen. Row i lies at a log range of `ln(0.4 /
-/// 1.5) + (i / 2 - 9.5) 0.0608` in units of the height.
+/// Cells in [`CellNats`]: -0.7 to 4.3 nats, and 0 in a bin of which too little was seen. Rung k lies at a log range of `ln(0.4 /
+/// 1.5) + 0.0608 (k - 9)` in units of the height.
 #[derive(Debug, Clone, Copy)]
 pub struct BoundaryEvidence<'a> {
     cells: &'a [CellNats],
@@ -39,13 +39,13 @@ impl<'a> BoundaryEvidence<'a> {
         Self { cells }
     }
 
-    /// Log-likelihood ratios by surface (floor, ceiling), row and bin: [`CELLS`] values.
+    /// Log-likelihood ratios by surface (floor, ceiling), rung and bin: [`CELLS`] values.
     #[must_use]
     pub const fn cells(&self) -> &'a [CellNats] {
         self.cells
     }
 
-    /// Bins in which a third of the rows of floor or ceiling was seen.
+    /// Bins in which a third of floor or ceiling was seen.
     #[must_use]
     pub fn known(&self) -> [bool; BINS] {
         let mut known = [false; BINS];
@@ -65,20 +65,20 @@ impl<'a> BoundaryEvidence<'a> {
     /// [`EVIDENCE_ERROR`](super::EVIDENCE_ERROR), which `compass compare` checks against `f64`.
     ///
     /// # Cost
-    /// A pass over a quarter of the cells.
+    /// A pass over the cells.
     ///
     /// ```
     /// use compass_core::base::num::CellNats;
-    /// use compass_core::vision::boundary::{BoundaryEvidence, CELLS, ROWS, RangeLikelihoods};
+    /// use compass_core::vision::boundary::{BoundaryEvidence, CELLS, RUNGS, RangeLikelihoods};
     ///
-    /// // Floor at row 61, ceiling at row 51, in all directions.
+    /// // Floor at rung 30, ceiling at rung 25, in all directions.
     /// let mut cells = vec![-CellNats::ONE / 2; CELLS];
-    /// cells[61 * 360..62 * 360].fill(CellNats::ONE * 3);
-    /// cells[(ROWS + 51) * 360..(ROWS + 52) * 360].fill(CellNats::ONE * 2);
+    /// cells[30 * 360..31 * 360].fill(CellNats::ONE * 3);
+    /// cells[(RUNGS + 25) * 360..(RUNGS + 26) * 360].fill(CellNats::ONE * 2);
     /// let evidence = BoundaryEvidence::new(&cells).unwrap();
     /// let mut ranges = RangeLikelihoods::EMPTY;
     /// evidence.ranges(5, &mut ranges);
-    /// // Row 61 is rung 21 of the range ladder for the nominal camera height: 1.43 m.
+    /// // Rung 30 is rung 21 of the range ladder for the nominal camera height: 1.43 m.
     /// let found = ranges.range(0, 0).unwrap();
     /// assert!((found.metres - 1.43).abs() < 0.02, "{found:?}");
     /// ```
@@ -95,7 +95,7 @@ impl<'a> BoundaryEvidence<'a> {
     /// The shift in rungs of the ceiling's height above the camera against the camera height; 0 if nothing was seen.
     ///
     /// # Cost
-    /// A pass over a sixth of the cells for each of at most 49 heights.
+    /// A pass over a third of the cells for each of at most 49 heights.
     #[must_use]
     pub fn guess_ceiling(&self, height: Option<i8>) -> i8 {
         let [least, most] = height.map_or(CEILINGS, |rungs| ranges::ceiling_bounds(height_m(rungs)));
@@ -109,10 +109,10 @@ impl<'a> BoundaryEvidence<'a> {
         self.ranges(self.guess_ceiling(height), ranges);
     }
 
-    /// The cells of a row of a surface: 0 floor, 1 ceiling. Zeros outside the raster.
+    /// The cells of a rung of a surface: 0 floor, 1 ceiling. Zeros outside.
     #[inline]
-    pub(crate) fn row(&self, surface: usize, row: Option<usize>) -> &'a [CellNats; BINS] {
+    pub(crate) fn rung(&self, surface: usize, rung: Option<usize>) -> &'a [CellNats; BINS] {
         const NOTHING: [CellNats; BINS] = [CellNats::ZERO; BINS];
-        row.and_then(|row| self.cells.as_chunks::<BINS>().0.get(surface * ROWS + row)).unwrap_or(&NOTHING)
+        rung.and_then(|rung| self.cells.as_chunks::<BINS>().0.get(surface * RUNGS + rung)).unwrap_or(&NOTHING)
     }
 }

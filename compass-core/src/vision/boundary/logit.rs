@@ -1,7 +1,7 @@
 //! From oriented edges to log-likelihood ratios: a conditional logit over the rows and slopes of each bin.
 
-use super::block::{Block, REACH, SLOPES, SPANS, Sums, WIDTH};
-use super::cells::ROWS;
+use super::block::{Block, REACH, SLOPES, SPANS, Sums, TAPS, WIDTH};
+use super::cells::{ROWS, RUNGS, row_of};
 use super::logarithms::{Logarithms, to_logit};
 use super::polar::OWNER_BYTES;
 use super::tuning::{
@@ -20,8 +20,8 @@ pub(super) struct Work {
     block: Block,
     pub(super) logarithms: Logarithms,
     histograms: [[u32; LEVELS]; 2],
-    /// Probability of a boundary, not normalized, by the weights of each variant, row and bin.
-    mass: [[[f32; WIDTH]; ROWS]; 2],
+    /// Probability of a boundary, not normalized, by the weights of each variant, rung and bin.
+    mass: [[[f32; WIDTH]; RUNGS]; 2],
     /// Sums of the region's log-likelihood ratios over three bins and the rows before each, 1/768 nat.
     region: [[i32; WIDTH]; ROWS + 1],
 }
@@ -46,7 +46,7 @@ pub(super) struct Weighing<'a> {
 type Features = [[u32; WIDTH]; 4];
 
 impl Work {
-    /// Fills `cells` with the log-likelihood ratios of a boundary at each row and bin.
+    /// Fills `cells` with the log-likelihood ratios of a boundary at each rung and bin.
     #[inline(always)]
     pub(super) fn weigh(&mut self, surface: &Surface<'_>, weighing: &Weighing<'_>, cells: &mut [CellNats]) {
         let scales = self.scales(surface);
@@ -67,8 +67,8 @@ impl Work {
         for first in (0..BINS).step_by(WIDTH) {
             self.block.take(surface.gray, surface.owner, first);
             for (span, histogram) in self.histograms.iter_mut().enumerate() {
-                for row in 0..ROWS {
-                    let sums = self.block.sums(span, row, &SLOPES[0]);
+                for rung in 0..RUNGS {
+                    let sums = self.block.sums(span, row_of(rung), &SLOPES[0]);
                     for (sum, count) in sums.sum.iter().zip(sums.count) {
                         let level = u32::from(sum.unsigned_abs()) / u32::from(count.max(1));
                         histogram[(level as usize).min(LEVELS - 1)] +=
@@ -109,7 +109,8 @@ impl Work {
     #[inline(always)]
     fn add_mass(&mut self, scales: [f32; 2], variants: &[Weights]) {
         let tables = &self.logarithms;
-        for row in 0..ROWS {
+        for rung in 0..RUNGS {
+            let row = row_of(rung);
             let u = 2.0 * row as f32 / (ROWS as f32 - 1.0) - 1.0;
             let priors = [0, 1].map(|variant: usize| {
                 let weights = &variants[variant.min(variants.len() - 1)];
@@ -133,7 +134,8 @@ impl Work {
                 let features = features(&self.block, row, slope, scales);
                 for b in 0..WIDTH {
                     let [g1, t1, g4, t4] = features.each_ref().map(|feature| feature[b]);
-                    let logs = [tables.at(g1), tables.significance(t1), tables.at(g4), tables.significance(t4)];
+                    let logs =
+                        [tables.at(g1), tables.significance(t1), tables.at(g4), tables.significance(t4)];
                     for (variant, weights) in variants.iter().enumerate() {
                         let sum: i32 = weights.edges.iter().zip(logs).map(|(weight, log)| weight * log).sum();
                         mass[variant][b] += tables.exp(sum + priors[variant][b]);
@@ -143,7 +145,7 @@ impl Work {
             let gray = self.block.gray(row);
             for (out, mass) in self.mass.iter_mut().zip(mass) {
                 for b in 0..WIDTH {
-                    out[row][b] = if gray[b + REACH] > 0 { mass[b] } else { 0.0 };
+                    out[rung][b] = if gray[b + REACH] > 0 { mass[b] } else { 0.0 };
                 }
             }
         }
@@ -186,10 +188,11 @@ impl Work {
             }
         }
         let (least, kernel) = weighing.tolerance;
-        for (row, out) in cells.chunks_exact_mut(BINS).take(ROWS).enumerate() {
+        for (rung, out) in cells.chunks_exact_mut(BINS).take(RUNGS).enumerate() {
             let mut spread = [0.0_f32; WIDTH];
             for (share, distance) in kernel.iter().zip(least..) {
-                let Some(row) = row.checked_add_signed(distance).and_then(|row| self.mass[0].get(row)) else {
+                let Some(row) = rung.checked_add_signed(distance).and_then(|rung| self.mass[0].get(rung))
+                else {
                     continue;
                 };
                 for b in 0..WIDTH {
@@ -213,7 +216,7 @@ impl Work {
 /// Features along a slope through a row: strength over the frame's scale, and significance, at both spans.
 #[inline(always)]
 #[expect(clippy::indexing_slicing, reason = "bins and features are below the lengths of the arrays")]
-fn features(block: &Block, row: usize, slope: &[isize; 2 * REACH + 1], scales: [f32; 2]) -> Features {
+fn features(block: &Block, row: usize, slope: &[isize; TAPS], scales: [f32; 2]) -> Features {
     let mut features = [[0; WIDTH]; 4];
     for span in 0..SPANS.len() {
         let Sums { sum, squares, count } = block.sums(span, row, slope);
@@ -222,9 +225,7 @@ fn features(block: &Block, row: usize, slope: &[isize; 2 * REACH + 1], scales: [
         for b in 0..WIDTH {
             let n = f32::from(count[b]);
             let sum = f32::from(sum[b]).abs();
-            let known = count[b] >= FEWEST_TAPS;
-            let n = if known { n } else { 1.0 };
-            let sum = if known { sum } else { 0.0 };
+            let (n, sum) = if count[b] >= FEWEST_TAPS { (n, sum) } else { (1.0, 0.0) };
             // The sum over the deviation of a sum: n times the mean over n times the deviation of the mean.
             let variance = (n * squares[b] as f32 - sum * sum).max(0.0) / n + 16.0 * NOISE_VARIANCE * n * n;
             features[2 * span][b] = Logarithms::index(1.0 + strength * sum / n);

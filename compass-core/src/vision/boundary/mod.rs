@@ -22,8 +22,8 @@ mod ranges;
 mod region;
 mod tuning;
 
-pub(crate) use cells::half_row_of;
-pub use cells::{CELLS, NOMINAL_ROW, ROWS};
+pub(crate) use cells::rung_of;
+pub use cells::{CELLS, NOMINAL_RUNG, RASTER_CELLS, ROWS, RUNGS};
 pub use evidence::BoundaryEvidence;
 pub use ranges::{RangeEstimate, RangeLikelihoods};
 pub(crate) use tuning::CEILING_SHIFT;
@@ -48,7 +48,7 @@ pub const EVIDENCE_ERROR: f32 = 0.25;
 /// Memory lent to a [`BoundaryFinder`]; its initial contents are ignored.
 #[derive(Debug)]
 pub struct Buffers<'a> {
-    /// Gray levels of the raster: [`CELLS`] bytes.
+    /// Gray levels of the raster: [`RASTER_CELLS`] bytes.
     pub gray: &'a mut [u8],
     /// Working memory.
     pub work: &'a mut Work,
@@ -114,7 +114,7 @@ impl<'a, 'r> BoundaryFinder<'a, 'r> {
     /// short.
     #[must_use]
     pub fn new(mut buffers: Buffers<'a>, rig: &'r Rig, level: LevelFrame) -> Option<Self> {
-        buffers.gray = buffers.gray.get_mut(..CELLS)?;
+        buffers.gray = buffers.gray.get_mut(..RASTER_CELLS)?;
         buffers.evidence = buffers.evidence.get_mut(..CELLS)?;
         buffers.gray.fill(0);
         buffers.work.owner.as_flattened_mut().fill(0);
@@ -156,7 +156,7 @@ impl<'a, 'r> BoundaryFinder<'a, 'r> {
             ),
         ];
         for ((surface, variants, tolerance), cells) in
-            weighings.into_iter().zip(evidence.chunks_exact_mut(ROWS * BINS))
+            weighings.into_iter().zip(evidence.chunks_exact_mut(RUNGS * BINS))
         {
             let weighing = logit::Weighing { variants, region: &region, tolerance };
             work.logit.weigh(&surface, &weighing, cells);

@@ -1,14 +1,11 @@
 //! Log-likelihood ratios of ranges, from boundary evidence and the height of the ceiling.
 
-use super::cells::{LEAD, row_of};
+use super::cells::{NOMINAL_RUNG, RUNGS, rung_of};
 use super::evidence::BoundaryEvidence;
 use super::tuning::{AGREEING, CEILING_SHIFT, CEILINGS, ROOMS_M, VOTE_STRIDE};
 use crate::base::ladder::{NEAREST_M, RUNG, height_rungs};
 use crate::base::num::{BINS, CellNats, Nats, ToFloat as _, count_as_i32, round_to_i8};
 use bytemuck::{Pod, Zeroable};
-
-/// Rungs of the likelihoods of ranges.
-pub(super) const RUNGS: usize = 90;
 
 /// Per azimuth, the log-likelihood ratios of a wall at each range rung.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
@@ -76,7 +73,7 @@ impl RangeLikelihoods {
     /// ```
     pub fn row(&self, rung: usize, height: i8) -> &[CellNats; BINS] {
         const NOTHING: [CellNats; BINS] = [CellNats::ZERO; BINS];
-        let at = (rung + LEAD).saturating_add_signed(-isize::from(height)).min(RUNGS - 1);
+        let at = (rung + NOMINAL_RUNG).saturating_add_signed(-isize::from(height)).min(RUNGS - 1);
         self.values.get(at).unwrap_or(&NOTHING)
     }
 
@@ -110,7 +107,7 @@ impl RangeLikelihoods {
             moment += probability * (rung as f32 - best as f32);
         }
         let rung = best as f32 + if mass > 0.0 { moment / mass } else { 0.0 } + f32::from(height);
-        let metres = NEAREST_M * libm::expf((rung - LEAD as f32) * RUNG);
+        let metres = NEAREST_M * libm::expf((rung - NOMINAL_RUNG as f32) * RUNG);
         Some(RangeEstimate { metres, confidence: mass.clamp(0.0, 1.0) })
     }
 }
@@ -138,8 +135,8 @@ pub(super) fn agreement(evidence: &BoundaryEvidence<'_>, ceiling: i8) -> Nats {
 
 /// The rows of floor and ceiling evidence of a wall at a rung of the floor.
 fn rows<'a>(evidence: &BoundaryEvidence<'a>, rung: usize, ceiling: i8) -> [&'a [CellNats; BINS]; 2] {
-    let rung = count_as_i32(rung) - count_as_i32(LEAD);
-    [(0, 0), (1, ceiling.into())].map(|(surface, height)| evidence.row(surface, row_of(rung, height)))
+    let rung = count_as_i32(rung) - count_as_i32(NOMINAL_RUNG);
+    [(0, 0), (1, ceiling.into())].map(|(surface, height)| evidence.rung(surface, rung_of(rung, height)))
 }
 
 /// Computes the log-likelihood ratios of all rungs, given the height of the ceiling.

@@ -45,18 +45,16 @@ pub(super) const CEILING: Weights = Weights {
     square: -4.70,
 };
 
-/// Log-likelihood ratio of a floor boundary at a row: probability of the image's boundary by its distance from the plan's,
-/// from the first distance on; rows, positive if the image's is farther.
-pub(super) const FLOOR_TOLERANCE: (isize, [f32; 12]) =
-    (-3, [0.03, 0.05, 0.10, 0.15, 0.16, 0.15, 0.12, 0.08, 0.06, 0.04, 0.03, 0.03]);
+/// Probability of the image's boundary by its distance from the plan's, from the first distance on; rungs, positive if the
+/// image's is farther: walls are thicker than drawn and have skirting boards.
+pub(super) const FLOOR_TOLERANCE: (isize, [f32; 7]) = (-2, [0.015, 0.115, 0.28, 0.29, 0.17, 0.085, 0.045]);
 /// The same of a ceiling boundary.
-pub(super) const CEILING_TOLERANCE: (isize, [f32; 9]) =
-    (-4, [0.04, 0.08, 0.12, 0.16, 0.20, 0.16, 0.12, 0.08, 0.04]);
+pub(super) const CEILING_TOLERANCE: (isize, [f32; 5]) = (-2, [0.08, 0.24, 0.36, 0.24, 0.08]);
 
 /// Share of directions whose boundary is independent of the plan.
 pub(super) const OUTLIERS: f32 = 0.5;
-/// Number of rows among which a boundary is equally likely under "nothing known".
-pub(super) const CHOICES: f32 = 144.0;
+/// Number of rungs among which a boundary is equally likely under "nothing known".
+pub(super) const CHOICES: f32 = 72.0;
 /// Fewest known rows of a bin with evidence.
 pub(super) const FEWEST_ROWS: u8 = 60;
 
