@@ -66,8 +66,9 @@ impl VisualDescriptor {
     #[must_use]
     pub fn of(seen: &mut Seen<'_, '_>, known: HeightPrior) -> Self {
         let windows = seen.window_evidence().clone();
-        let ranges = seen.range_likelihoods(known).unwrap_or(&RangeLikelihoods::EMPTY);
-        Self::new(ranges, &windows, known.camera_m())
+        let mut ranges = Box::new(RangeLikelihoods::EMPTY);
+        seen.range_likelihoods(known, &mut ranges);
+        Self::new(&ranges, &windows, known.camera_m())
     }
 
     /// The descriptor from the evidence of one pair of frames; `height_m` is the height of cam0 above the floor, if

@@ -48,16 +48,14 @@ where
     M: AsRef<[u32]> + AsMut<[u32]>,
     T: Trace,
 {
-    /// The likelihoods of ranges, with the likeliest ceiling for what is known of the heights.
-    #[must_use]
-    pub fn range_likelihoods(&mut self, known: HeightPrior) -> Option<&RangeLikelihoods> {
-        let layout = self.locator.memory_map();
-        let search = layout.search(self.locator.memory.as_mut())?;
-        let boundaries = BoundaryEvidence::new(search.evidence)?;
-        match known.ceiling_rungs() {
-            Some(ceiling) => boundaries.ranges(ceiling, search.ranges),
-            None => boundaries.likeliest(known.camera_rungs(), search.ranges),
+    /// The likelihoods of ranges, with a guess of the ceiling unless it is known.
+    pub fn range_likelihoods(&mut self, known: HeightPrior, ranges: &mut RangeLikelihoods) {
+        *ranges = RangeLikelihoods::EMPTY;
+        if let Some(boundaries) = self.boundaries() {
+            match known.ceiling_rungs() {
+                Some(ceiling) => boundaries.ranges(ceiling, ranges),
+                None => boundaries.likeliest(known.camera_rungs(), ranges),
+            }
         }
-        Some(search.ranges)
     }
 }

@@ -6,7 +6,7 @@ use crate::base::num::CellNats;
 use crate::pose::PoolEntry;
 use crate::pose::evidence::EvidenceTable;
 use crate::vision::attitude::Arc;
-use crate::vision::boundary::{self, CELLS, RASTER_CELLS, RangeLikelihoods};
+use crate::vision::boundary::{self, CELLS, RASTER_CELLS};
 use crate::vision::camera::{CAMERAS, Rig};
 use crate::vision::panorama::Resolution;
 use crate::vision::segments::{self, MAX_SIDE, Segment, pixels, trail_len};
@@ -160,7 +160,6 @@ impl Layout {
 
     const fn search_words(&self) -> usize {
         of::<CellNats>(CELLS)
-            + of::<RangeLikelihoods>(1)
             + of::<EvidenceTable>(1)
             + self.settings.headings.words()
             + of::<PoolEntry>(self.settings.pool)
@@ -240,7 +239,6 @@ impl Layout {
         let (_, mut rest) = self.split(memory)?;
         Some(Search {
             evidence: rest.take(CELLS)?,
-            ranges: rest.one()?,
             table: rest.one()?,
             rows: rest.words(self.settings.headings.words())?,
             pool: rest.take(self.settings.pool)?,
@@ -295,7 +293,6 @@ impl<'m> Boundary<'m> {
 #[derive(Debug)]
 pub(super) struct Search<'m> {
     pub(super) evidence: &'m mut [CellNats],
-    pub(super) ranges: &'m mut RangeLikelihoods,
     pub(super) table: &'m mut EvidenceTable,
     pub(super) rows: &'m mut [u32],
     pub(super) pool: &'m mut [PoolEntry],

@@ -203,7 +203,6 @@ where
         let fix = search.and_then(|search| {
             let boundaries = BoundaryEvidence::new(search.evidence)?;
             let mut work = Work {
-                ranges: search.ranges,
                 table: search.table,
                 headings: settings.headings,
                 rows: search.rows,
@@ -247,9 +246,9 @@ where
     ) -> Option<R> {
         let Locator { layers, settings, rig, found, memory, .. } = &mut *self.locator;
         let search = settings.layout(rig).search(memory.as_mut())?;
-        let [camera, ceiling] = heights.to_rungs();
-        BoundaryEvidence::new(search.evidence)?.ranges(ceiling, search.ranges);
-        weigh(search.ranges, camera, &HitEvidence::new(&found.windows), search.table);
+        let [camera, ratio] = heights.to_rungs();
+        let (boundaries, hits) = (BoundaryEvidence::new(search.evidence)?, HitEvidence::new(&found.windows));
+        weigh(&boundaries, [camera, camera.saturating_add(ratio)], &hits, search.table);
         Some(read(search.table, layers))
     }
 }

@@ -3,7 +3,7 @@
 use crate::base::ladder::{FRACTION_BITS, RANGE_RUNGS, position_of};
 use crate::base::num::{BINS, CastNats, CellNats, LogOdds, Nats, ToFloat as _};
 use crate::base::scan::Hit;
-use crate::vision::boundary::RangeLikelihoods;
+use crate::vision::boundary::{BoundaryEvidence, CEILING_SHIFT, rung_of};
 use crate::vision::windows::WindowEvidence;
 use bytemuck::{Pod, Zeroable};
 
@@ -205,43 +205,55 @@ impl HitEvidence {
     }
 }
 
-/// Fills a table with the sum of the log-likelihood ratios of range and hit type, for a camera height in
-/// [rungs](crate::base::ladder::height_rungs). [`OPEN_PLANE`] is 0.
+/// Fills a table with the sum of the log-likelihood ratios of floor, ceiling and hit type, for the heights in
+/// [rungs](crate::base::ladder::height_rungs) of the camera above the floor and of the ceiling above the camera. The ceiling
+/// counts half; [`OPEN_PLANE`] is 0.
 ///
 /// # Formats
 /// Sums are rounded to 1/16 nat and clamped to +-[`LIMIT`].
 ///
 /// # Cost
-/// One pass over the table: a sum and a rounding for each of its 145 planes and 360 bins.
+/// One pass over the table: two sums for each of its 144 planes and 360 bins.
 ///
 /// ```
 /// use compass_core::base::confidence::Confidence;
-/// use compass_core::base::num::LogOdds;
+/// use compass_core::base::num::{CellNats, LogOdds};
 /// use compass_core::pose::evidence::{EvidenceTable, HitEvidence, weigh};
-/// use compass_core::vision::boundary::RangeLikelihoods;
+/// use compass_core::vision::boundary::{BoundaryEvidence, CELLS};
 /// use compass_core::vision::windows::WindowEvidence;
 ///
 /// // No evidence of ranges; a window with log odds 4 in all directions.
-/// let ranges = Box::new(RangeLikelihoods::EMPTY);
+/// let cells = vec![CellNats::ZERO; CELLS];
 /// let mut windows = WindowEvidence::NOTHING;
 /// windows.confidence = Confidence::CERTAIN;
 /// windows.evidence = [LogOdds::from_num(4); 360];
 /// let mut table = Box::new(EvidenceTable::EMPTY);
-/// weigh(&ranges, 0, &HitEvidence::new(&windows), &mut table);
+/// weigh(&BoundaryEvidence::new(&cells).unwrap(), [0, 0], &HitEvidence::new(&windows), &mut table);
 /// // Planes 0 and 72: wall and window at rung 0.
 /// assert!(table.get(0, 0) < 0 && table.get(72, 0) > 0);
 /// ```
-#[expect(clippy::indexing_slicing, reason = "rungs are below `RANGE_RUNGS`")]
-pub fn weigh(ranges: &RangeLikelihoods, height: i8, hits: &HitEvidence, table: &mut EvidenceTable) {
-    for rung in 0..RANGE_RUNGS {
-        let range = ranges.row(rung, height);
-        for (plane, hit) in [(rung, &hits.wall), (RANGE_RUNGS + rung, &hits.window)] {
-            for ((sum, range), hit) in table.values[plane].iter_mut().zip(range).zip(hit) {
-                *sum = range.saturating_add(*hit);
-            }
+pub fn weigh(
+    boundaries: &BoundaryEvidence<'_>,
+    [camera, above]: [i8; 2],
+    hits: &HitEvidence,
+    table: &mut EvidenceTable,
+) {
+    let (walls, windows) = table.values.split_at_mut(RANGE_RUNGS);
+    for ((rung, walls), windows) in (0..).zip(walls).zip(windows.iter_mut()) {
+        let floor = boundaries.rung(0, rung_of(rung, camera.into()));
+        let ceiling = boundaries.rung(1, rung_of(rung, above.into()));
+        let cells = walls.iter_mut().zip(windows).zip(floor.iter().zip(ceiling));
+        for (((wall, window), (floor, ceiling)), (on_wall, on_window)) in
+            cells.zip(hits.wall.iter().zip(&hits.window))
+        {
+            let range = floor.to_bits().saturating_add(ceiling.to_bits() >> CEILING_SHIFT);
+            *wall = CellNats::from_bits(range.saturating_add(on_wall.to_bits()));
+            *window = CellNats::from_bits(range.saturating_add(on_window.to_bits()));
         }
     }
-    table.values[2 * RANGE_RUNGS] = [CellNats::ZERO; BINS];
+    if let Some(open) = table.values.last_mut() {
+        *open = [CellNats::ZERO; BINS];
+    }
 }
 
 /// Log-likelihood ratios of a window and of a wall in the plan, from the log odds of a window.

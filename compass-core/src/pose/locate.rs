@@ -10,7 +10,7 @@ use crate::base::ladder::{FRACTION_BITS, position_of};
 use crate::base::num::{BINS, CellNats, Nats};
 use crate::base::order;
 use crate::base::scan::{Hit, Scan};
-use crate::vision::boundary::{BoundaryEvidence, CEILING_SHIFT, RangeLikelihoods, rung_of};
+use crate::vision::boundary::{BoundaryEvidence, CEILING_SHIFT, rung_of};
 use crate::vision::windows::WindowEvidence;
 use core::cmp::Reverse;
 use heapless::Vec;
@@ -23,8 +23,6 @@ const HEIGHT_STRIDE: usize = 4;
 /// Memory lent to the search. Its former contents do not matter.
 #[derive(Debug)]
 pub struct Work<'a> {
-    /// Likelihoods of ranges.
-    pub ranges: &'a mut RangeLikelihoods,
     /// Evidence.
     pub table: &'a mut EvidenceTable,
     /// Headings of the search. 90 suffice, since refinement closes the gaps; 40 are nearly as good for a known camera
@@ -94,7 +92,7 @@ type Found = (ScoredPose, [i8; 2]);
 /// use compass_core::pose::locate::{Effort, Work, locate};
 /// use compass_core::pose::{EvidenceTable, FloorLayer, Headings, PoolEntry};
 /// use compass_core::base::num::CellNats;
-/// use compass_core::vision::boundary::{BoundaryEvidence, CELLS, RangeLikelihoods};
+/// use compass_core::vision::boundary::{BoundaryEvidence, CELLS};
 /// use compass_core::vision::windows::WindowEvidence;
 ///
 /// // Hit types alone: no boundary was seen, and windows where the plan has them at candidate 7.
@@ -109,7 +107,6 @@ type Found = (ScoredPose, [i8; 2]);
 /// let layer = FloorLayer { map, number: 0, plan: floor.plan(0).unwrap(), floor: 0, name: floor.name() };
 /// let headings = Headings::N40;
 /// let mut work = Work {
-///     ranges: &mut Box::new(RangeLikelihoods::EMPTY),
 ///     table: &mut Box::new(EvidenceTable::EMPTY),
 ///     headings,
 ///     rows: &mut vec![0; headings.words()],
@@ -145,7 +142,6 @@ pub fn locate<'a>(
         boundaries,
         hits: &hits,
         grid: HeightGrid::fine(&known),
-        ranges: work.ranges,
         table: work.table,
         heights: None,
     };
@@ -200,7 +196,6 @@ struct Evidence<'a> {
     boundaries: &'a BoundaryEvidence<'a>,
     hits: &'a HitEvidence,
     grid: HeightGrid,
-    ranges: &'a mut RangeLikelihoods,
     table: &'a mut EvidenceTable,
     /// Heights of the table: of the camera above the floor and of the ceiling above the camera, rungs.
     heights: Option<[i8; 2]>,
@@ -210,8 +205,7 @@ impl Evidence<'_> {
     /// The evidence for two heights.
     fn at(&mut self, [camera, above]: [i8; 2]) -> &EvidenceTable {
         if self.heights != Some([camera, above]) {
-            self.boundaries.ranges(above.saturating_sub(camera), self.ranges);
-            weigh(self.ranges, camera, self.hits, self.table);
+            weigh(self.boundaries, [camera, above], self.hits, self.table);
             self.heights = Some([camera, above]);
         }
         self.table

@@ -16,6 +16,7 @@ use compass_core::base::confidence::Confidence;
 use compass_core::base::ladder::NOMINAL_HEIGHT_M;
 use compass_core::base::num::BINS;
 use compass_core::base::scan::Scan;
+use compass_core::vision::boundary::RangeLikelihoods;
 use compass_core::vision::visual_scan;
 use compass_core::{HeightPrior, Settings};
 use std::collections::BTreeMap;
@@ -137,12 +138,10 @@ impl<'a> Worker<'a> {
         [record.height, record.ceiling] = fix.heights().to_rungs();
         evidence.write(&self.job.evidence_file(record.timestamp_ns))?;
         clock.stage("write");
-        let ranges = seen.range_likelihoods(HeightPrior::both(fix.heights()));
-        if let Some((scan, confidence)) =
-            ranges.map(|ranges| visual_scan::scan(ranges, record.height, &windows))
-        {
-            record.paper = self.paper(&scan, &confidence);
-        }
+        let mut ranges = Box::new(RangeLikelihoods::EMPTY);
+        seen.range_likelihoods(HeightPrior::both(fix.heights()), &mut ranges);
+        let (scan, confidence) = visual_scan::scan(&ranges, record.height, &windows);
+        record.paper = self.paper(&scan, &confidence);
         clock.stage("paper");
         Ok(())
     }

@@ -50,7 +50,8 @@ pub(super) struct Block {
 pub(super) struct Sums {
     pub(super) sum: [i16; WIDTH],
     pub(super) squares: [i32; WIDTH],
-    pub(super) count: [u8; WIDTH],
+    /// How many are known; `None` if all are, everywhere.
+    pub(super) count: Option<[u8; WIDTH]>,
 }
 
 impl Block {
@@ -70,34 +71,48 @@ impl Block {
         }
     }
 
-    #[expect(clippy::indexing_slicing, reason = "rows and bins are below the lengths of the arrays")]
+    /// Differences over a span by sums that move from row to row.
     #[inline(always)]
+    #[expect(clippy::indexing_slicing, reason = "rows and bins are below the lengths of the arrays")]
     fn differentiate(&mut self, span: usize) {
         let reach = SPANS[span];
         // Quarters of gray levels: the mean over `reach` rows, times 4.
         let scale = 4 / reach as i16;
-        self.difference[span] = [[0; PADDED]; ROWS];
-        self.known[span] = [[0; PADDED]; ROWS];
         self.whole[span] = [0; ROWS + 1];
-        for row in reach..ROWS - reach {
-            let mut sums = [0_i16; PADDED];
-            let mut known = [u8::MAX; PADDED];
-            for k in 1..=reach {
-                let (near, far) = (&self.gray[row - k], &self.gray[row + k]);
-                for b in 0..PADDED {
-                    sums[b] += i16::from(far[b]) - i16::from(near[b]);
-                    known[b] = known[b].min(far[b]).min(near[b]);
-                }
+        for row in (0..reach).chain(ROWS - reach..ROWS) {
+            self.difference[span][row] = [0; PADDED];
+            self.known[span][row] = [0; PADDED];
+        }
+        // Sums of the rows before and behind, and the number of unknown cells in all of them.
+        let (mut near, mut far, mut unknown) = ([0_i16; PADDED], [0_i16; PADDED], [0_u8; PADDED]);
+        for k in 0..=2 * reach {
+            let gray = &self.gray[k];
+            for b in 0..PADDED {
+                let level = i16::from(gray[b]);
+                near[b] += if k < reach { level } else { 0 };
+                far[b] += if k > reach { level } else { 0 };
+                unknown[b] += u8::from(level == 0);
             }
-            let (near, far) = (&self.owner[row - reach], &self.owner[row + reach]);
+        }
+        for row in reach..ROWS - reach {
+            let (first, last) = (&self.owner[row - reach], &self.owner[row + reach]);
             let mut whole = 1;
             for b in 0..PADDED {
-                let is_known = known[b].min(self.gray[row][b]) > 0 && near[b] == far[b];
+                let is_known = unknown[b] == 0 && first[b] == last[b];
                 self.known[span][row][b] = u8::from(is_known);
-                self.difference[span][row][b] = if is_known { sums[b] * scale } else { 0 };
+                self.difference[span][row][b] = if is_known { (far[b] - near[b]) * scale } else { 0 };
                 whole &= u8::from(is_known);
             }
             self.whole[span][row] = whole;
+            if row + reach + 1 < ROWS {
+                let [left, here, ahead, entered] =
+                    [row - reach, row, row + 1, row + reach + 1].map(|row| &self.gray[row]);
+                for b in 0..PADDED {
+                    near[b] += i16::from(here[b]) - i16::from(left[b]);
+                    far[b] += i16::from(entered[b]) - i16::from(ahead[b]);
+                    unknown[b] = unknown[b] + u8::from(entered[b] == 0) - u8::from(left[b] == 0);
+                }
+            }
         }
     }
 
@@ -118,7 +133,7 @@ impl Block {
             whole &= at.is_some_and(|at| self.whole[span][at] != 0);
             at.map_or(NONE, |at| (&self.difference[span][at], &self.known[span][at]))
         });
-        let mut sums = Sums { sum: [0; WIDTH], squares: [0; WIDTH], count: [TAPS as u8; WIDTH] };
+        let mut sums = Sums { sum: [0; WIDTH], squares: [0; WIDTH], count: None };
         for b in 0..WIDTH {
             let (mut sum, mut squares) = (0, 0);
             for (offset, (difference, _)) in rows.iter().enumerate() {
@@ -129,9 +144,9 @@ impl Block {
             (sums.sum[b], sums.squares[b]) = (sum as i16, squares);
         }
         if !whole {
-            for b in 0..WIDTH {
-                sums.count[b] = rows.iter().enumerate().map(|(offset, (_, known))| known[b + offset]).sum();
-            }
+            let known =
+                |b: usize| rows.iter().enumerate().map(|(offset, (_, known))| known[b + offset]).sum();
+            sums.count = Some(core::array::from_fn(known));
         }
         sums
     }

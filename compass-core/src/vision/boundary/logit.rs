@@ -7,7 +7,7 @@ use super::polar::OWNER_BYTES;
 use super::tuning::{
     CHOICES, FEWEST_ROWS, FEWEST_TAPS, LEAST_SCALE, NOISE_VARIANCE, OUTLIERS, PERCENT, REGION_ROWS, Weights,
 };
-use crate::base::num::{BINS, CellNats, round_to_i8};
+use crate::base::num::{BINS, CellNats};
 use bytemuck::{Pod, Zeroable};
 
 /// Quarters of gray levels that a histogram of edges tells apart.
@@ -52,27 +52,30 @@ impl Work {
         let scales = self.scales(surface);
         for first in (0..BINS).step_by(WIDTH) {
             self.block.take(surface.gray, surface.owner, first);
-            self.sum_region(weighing.region);
+            if weighing.variants.iter().any(|weights| weights.region != [0; 2]) {
+                self.sum_region(weighing.region);
+            }
             self.add_mass(scales, weighing.variants);
             self.normalize(weighing.variants.len());
             self.spread(weighing, first, cells);
         }
     }
 
-    /// Percentile of the level edges at each span, gray levels.
-    #[expect(clippy::indexing_slicing, reason = "levels are below 1024")]
+    /// Percentile of the level edges at each span, gray levels, of every third block.
     #[inline(always)]
+    #[expect(clippy::indexing_slicing, reason = "levels are below 1024")]
     fn scales(&mut self, surface: &Surface<'_>) -> [f32; 2] {
         self.histograms = [[0; LEVELS]; 2];
-        for first in (0..BINS).step_by(WIDTH) {
+        for first in (0..BINS).step_by(3 * WIDTH) {
             self.block.take(surface.gray, surface.owner, first);
             for (span, histogram) in self.histograms.iter_mut().enumerate() {
                 for rung in 0..RUNGS {
-                    let sums = self.block.sums(span, row_of(rung), &SLOPES[0]);
-                    for (sum, count) in sums.sum.iter().zip(sums.count) {
+                    let Sums { sum, count, .. } = self.block.sums(span, row_of(rung), &SLOPES[0]);
+                    let count = count.unwrap_or([TAPS as u8; WIDTH]);
+                    for (sum, count) in sum.iter().zip(count) {
                         let level = u32::from(sum.unsigned_abs()) / u32::from(count.max(1));
-                        histogram[(level as usize).min(LEVELS - 1)] +=
-                            u32::from(count >= FEWEST_TAPS && *sum != 0);
+                        let counts = count >= FEWEST_TAPS && *sum != 0;
+                        histogram[(level as usize).min(LEVELS - 1)] += u32::from(counts);
                     }
                 }
             }
@@ -203,11 +206,9 @@ impl Work {
                 // Twice the ratio, so that its logarithm is not negative: ln 2 is 177/256.
                 let twice = 2.0 * (OUTLIERS * CHOICES * spread + 1.0 - OUTLIERS);
                 let ratio = self.logarithms.ln(twice) - 177;
-                *out = if rows < FEWEST_ROWS {
-                    CellNats::ZERO
-                } else {
-                    CellNats::from_bits(round_to_i8(ratio as f32 / 16.0))
-                };
+                // 1/256 nat to 1/16 nat, rounded.
+                let bits = ((ratio + 8) >> 4) as i8;
+                *out = if rows < FEWEST_ROWS { CellNats::ZERO } else { CellNats::from_bits(bits) };
             }
         }
     }
@@ -222,14 +223,21 @@ fn features(block: &Block, row: usize, slope: &[isize; TAPS], scales: [f32; 2]) 
         let Sums { sum, squares, count } = block.sums(span, row, slope);
         // Of quarters of gray levels.
         let strength = 2.0 / (4.0 * scales[span]);
-        for b in 0..WIDTH {
-            let n = f32::from(count[b]);
-            let sum = f32::from(sum[b]).abs();
-            let (n, sum) = if count[b] >= FEWEST_TAPS { (n, sum) } else { (1.0, 0.0) };
-            // The sum over the deviation of a sum: n times the mean over n times the deviation of the mean.
-            let variance = (n * squares[b] as f32 - sum * sum).max(0.0) / n + 16.0 * NOISE_VARIANCE * n * n;
-            features[2 * span][b] = Logarithms::index(1.0 + strength * sum / n);
+        let mut set = |b: usize, sum: f32, n: f32, inverse: f32| {
+            let sum = sum.abs();
+            // The sum over the deviation of a sum: n times the mean over n times the deviation of the mean. The squares of
+            // whole numbers are exact, so that the difference is not negative.
+            let variance = (n * squares[b] as f32 - sum * sum) * inverse + 16.0 * NOISE_VARIANCE * n * n;
+            features[2 * span][b] = Logarithms::index(1.0 + strength * inverse * sum);
             features[2 * span + 1][b] = Logarithms::square_index(sum * sum / variance);
+        };
+        match count {
+            None => (0..WIDTH).for_each(|b| set(b, f32::from(sum[b]), TAPS as f32, 1.0 / TAPS as f32)),
+            Some(count) => (0..WIDTH).for_each(|b| {
+                let enough = count[b] >= FEWEST_TAPS;
+                let (sum, n) = if enough { (f32::from(sum[b]), f32::from(count[b])) } else { (0.0, 1.0) };
+                set(b, sum, n, 1.0 / n);
+            }),
         }
     }
     features

@@ -25,13 +25,17 @@ pub(crate) const CLASSES: usize = 6;
 /// for the strongest, 0 where nothing is seen.
 #[inline(always)]
 pub(super) fn classes(gray: &[u8], resolution: Resolution) -> [u8; BINS] {
-    let per_degree = resolution.per_degree();
+    let (per_degree, columns) = (resolution.per_degree(), resolution.columns());
+    let mut strengths = [0.0; Resolution::FINE.columns()];
+    for (border, slot) in strengths.iter_mut().enumerate().take(columns) {
+        *slot = strength(gray, border, resolution);
+    }
     // The border between two columns that lies at a bin, and those around it.
     let strongest = |bin: usize| {
         let border = (BINS + 180 - bin) * per_degree;
         let reach = REACH_HALVES * per_degree / 2;
-        (border - reach..=border + reach)
-            .fold(0.0, |most: f32, border| most.max(strength(gray, border, resolution)))
+        let around = (border - reach..=border + reach).filter_map(|border| strengths.get(border % columns));
+        around.fold(0.0, |most: f32, strength| most.max(*strength))
     };
     classify(&Circle::from_fn(strongest))
 }
