@@ -10,8 +10,6 @@
 //! | [`Nats`] | I28F4 | +-1.3e8 nat | 1/16 nat |
 //! | [`BinNats`] | I12F4 | [-2048, 2048) nat | 1/16 nat |
 //! | [`CellNats`] | I4F4 | [-8, 8) nat | 1/16 nat |
-//! | [`SupportNats`] | U4F4 | [0, 16) nat | 1/16 nat |
-//! | [`EdgeNats`] | U3F5 | [0, 8) nat | 1/32 nat |
 //! | [`LogOdds`] | I8F8 | [-128, 128) nat | 1/256 nat |
 //! | [`LogWeight`] | I24F8 | +-8.4e6 nat | 1/256 nat |
 //! | [`CastNats`] | I20F12 | +-5.2e5 nat | 1/4096 nat |
@@ -22,7 +20,7 @@
 //! Ranges are whole march steps of 0.02 m ([`crate::base::scan`]): they are exact.
 
 use core::ops::{Add, Neg, Sub};
-use fixed::types::{I2F14, I2F30, I4F4, I8F8, I12F4, I20F12, I24F8, I28F4, I32F32, U3F5, U4F4};
+use fixed::types::{I2F14, I2F30, I4F4, I8F8, I12F4, I20F12, I24F8, I28F4, I32F32};
 
 /// Bins of a scan or a descriptor channel: one per degree, counter-clockwise from the heading.
 pub const BINS: usize = 360;
@@ -47,12 +45,6 @@ pub type BinNats = I12F4;
 
 /// A log-likelihood ratio of one cell: one direction, range rung and hit type.
 pub type CellNats = I4F4;
-
-/// Evidence of a boundary in one cell, never negative. Stored in byte arrays as the bits of this type.
-pub type SupportNats = U4F4;
-
-/// The logarithm of an edge's strength. Stored in byte arrays as the bits of this type.
-pub type EdgeNats = U3F5;
 
 /// Log odds of a window, of a box or of a direction.
 pub type LogOdds = I8F8;

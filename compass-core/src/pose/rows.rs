@@ -334,3 +334,137 @@ fn word(pair: &[u16; 2]) -> u32 {
 const fn pair(word: u32) -> [u16; 2] {
     [word as u16, (word >> 16) as u16]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::vision::boundary::CELLS;
+    use proptest::prelude::*;
+    use std::boxed::Box;
+    use std::vec::Vec;
+
+    /// Evidence of noise, of values that the boundary finder gives.
+    fn noise(seed: u64) -> (Vec<CellNats>, HitEvidence) {
+        let mut state = seed | 1;
+        let mut value = |least: i8, span: u64| {
+            state ^= state << 13;
+            state ^= state >> 7;
+            state ^= state << 17;
+            CellNats::from_bits(least + (state % span) as i8)
+        };
+        let cells = (0..CELLS).map(|_| value(-11, 80)).collect();
+        let hits = HitEvidence {
+            wall: core::array::from_fn(|_| value(-52, 78)),
+            window: core::array::from_fn(|_| value(-52, 78)),
+        };
+        (cells, hits)
+    }
+
+    /// A packed scan of any ranges and hit types.
+    fn packed(seed: u64) -> [u8; PACKED_SCAN_BYTES] {
+        core::array::from_fn(|at| ((at * at / 3) as u64 * (seed % 251 + 1) >> 2) as u8)
+    }
+
+    /// The sum over a candidate's rays at a heading, exact, of all 360 bins, in units of [`Nats`].
+    fn naive<const N: usize>(
+        rows: &dyn Fn(usize) -> [CellNats; BINS],
+        packed: &[u8; PACKED_SCAN_BYTES],
+        source: Source,
+        heading: usize,
+    ) -> f64 {
+        let stride = BINS / N;
+        let mut sum = 0.0;
+        for (ray, met) in Rows::<N>::every_ray(packed, 1).enumerate() {
+            let bin = (ray + N - heading) % N * stride;
+            let row = rows(source.row(met));
+            sum += (0..stride).map(|k| f64::from(row[bin + k].to_bits())).sum::<f64>();
+        }
+        sum
+    }
+
+    fn check<const N: usize>(seed: u64, source: Source) -> Result<(), TestCaseError> {
+        let (cells, hits) = noise(seed);
+        let evidence = BoundaryEvidence::new(&cells).unwrap();
+        let mut rows = Box::new(Rows::<N>::BLANK);
+        rows.set(&evidence, &hits, 0.5);
+        let blurred = |row: usize| {
+            let surface = row / RUNGS;
+            match row {
+                WALL => hits.wall,
+                WINDOW => hits.window,
+                NOTHING => [CellNats::ZERO; BINS],
+                _ => Blur::new(&evidence, surface, 0.5).rung(row % RUNGS),
+            }
+        };
+        let packed = packed(seed);
+        let mut scores = [0; N];
+        rows.scores(&Rows::runs_of(&packed), source, &mut scores);
+        for heading in (0..N).step_by(7) {
+            let exact = naive::<N>(&blurred, &packed, source, heading) * N as f64 / BINS as f64;
+            let error = f64::from(scores[heading]) - exact;
+            prop_assert!(error.abs() <= 0.5 * N as f64, "{error} at {heading}, {source:?}");
+            prop_assert!(N < BINS || error == 0.0, "sums of all bins are exact");
+        }
+        Ok(())
+    }
+
+    /// Rough scores equal the scores if each ray of the subset equals those it stands for.
+    fn check_rough<const N: usize>(seed: u64, source: Source) -> Result<(), TestCaseError> {
+        let (cells, hits) = noise(seed);
+        let mut rows = Box::new(Rows::<N>::BLANK);
+        rows.set(&BoundaryEvidence::new(&cells).unwrap(), &hits, 0.5);
+        let mut packed = packed(seed);
+        let (codes, windows) = packed.split_at_mut(BINS);
+        let alike = Rows::<N>::ROUGH * BINS / N;
+        for (bin, code) in codes.iter_mut().enumerate() {
+            let ray = bin / alike;
+            *code = (ray * ray + seed as usize % 97) as u8;
+            windows[bin / 8] = windows[bin / 8] & !(1 << (bin % 8)) | u8::from(ray % 3 == 1) << (bin % 8);
+        }
+        let (mut scores, mut rough) = ([0; N], [0; N]);
+        rows.scores(&Rows::runs_of(&packed), source, &mut scores);
+        rows.rough_scores(&Rows::<N>::rough_rays(&packed), source, &mut rough);
+        for (at, rough) in rough.iter().enumerate().take(N / 2) {
+            prop_assert!(scores.iter().step_by(2).any(|score| score == rough), "{rough} at {at}");
+        }
+        prop_assert_eq!(rough[..N / 2].iter().max(), scores.iter().step_by(2).max());
+        Ok(())
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(4))]
+        #[test]
+        fn scores_equal_the_direct_sum(seed: u64, height in -16_i8..=8) {
+            for source in [Source::Floor(height), Source::Ceiling(height), Source::HitType] {
+                check::<360>(seed, source)?;
+                check::<90>(seed, source)?;
+                check::<40>(seed, source)?;
+            }
+        }
+
+        #[test]
+        fn rough_scores_are_exact_for_repeated_rays(seed: u64, height in -16_i8..=8) {
+            for source in [Source::Floor(height), Source::Ceiling(height), Source::HitType] {
+                check_rough::<360>(seed, source)?;
+                check_rough::<90>(seed, source)?;
+                check_rough::<40>(seed, source)?;
+            }
+        }
+    }
+
+    #[test]
+    fn extremes_do_not_overflow() {
+        for bits in [i8::MIN, i8::MAX] {
+            let value = CellNats::from_bits(bits);
+            let cells = std::vec![value; CELLS];
+            let hits = HitEvidence { wall: [value; BINS], window: [value; BINS] };
+            let mut rows = Box::new(Rows::<360>::BLANK);
+            rows.set(&BoundaryEvidence::new(&cells).unwrap(), &hits, 0.5);
+            let mut scores = [0; 360];
+            let packed = [0; PACKED_SCAN_BYTES];
+            rows.scores(&Rows::runs_of(&packed), Source::HitType, &mut scores);
+            let clamped = i16::from(bits).clamp(-(ZERO as i16), (MOST - ZERO) as i16);
+            assert_eq!(scores, [360 * clamped; 360]);
+        }
+    }
+}

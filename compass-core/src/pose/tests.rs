@@ -1,11 +1,11 @@
 use super::*;
-use crate::base::ladder::RANGE_RUNGS;
-use crate::base::num::{BINS, Metres, Nats, Point, Turn};
+use crate::base::num::{BINS, CellNats, Metres, Nats, Point, Turn};
 use crate::base::pose::Separation;
 use crate::base::raster::BitMask;
 use crate::base::scan::{Hit, MAX_STEPS, Scan};
 use crate::map::plan::{Plan, PlanGrid, pack, packed_len};
 use crate::map::site_map::{Header, Layer, PackedScan, SiteMap, Writer};
+use crate::vision::boundary::{BoundaryEvidence, CELLS, NOMINAL_RUNG, RUNGS};
 use std::boxed::Box;
 use std::vec;
 use std::vec::Vec;
@@ -87,24 +87,69 @@ impl Building {
     }
 }
 
-/// Evidence of a scan: a third of the directions unknown, a tenth at a wrong range.
-pub(crate) fn evidence(scan: &Scan, random: &mut impl FnMut() -> u32) -> Box<EvidenceTable> {
-    let mut table = Box::new(EvidenceTable::EMPTY);
-    for bin in 0..BINS {
-        let fate = random() % 30;
-        if fate < 10 {
-            continue;
-        }
-        let wrong = 20 + random() % (u32::from(MAX_STEPS) - 20);
-        let steps = if fate < 13 { wrong as u16 } else { scan.steps[bin] };
-        let seen = plane_of(steps, scan.hit[bin]);
-        for plane in 0..PLANES as u8 {
-            let kind = |plane: u8| usize::from(plane) / RANGE_RUNGS;
-            let off = if kind(plane) == kind(seen) { plane.abs_diff(seen) } else { 255 };
-            table.set(plane, bin, Nats::from_bits((40 - 12 * i32::from(off)).max(-16)));
+/// What was seen of a scan, from a camera 1.5 m above the floor.
+pub(crate) struct Observed {
+    cells: Vec<CellNats>,
+    hits: HitEvidence,
+}
+
+impl Observed {
+    pub(crate) fn nothing() -> Self {
+        Self {
+            cells: vec![CellNats::ZERO; CELLS],
+            hits: HitEvidence { wall: [CellNats::ZERO; BINS], window: [CellNats::ZERO; BINS] },
         }
     }
-    table
+
+    /// A third of the directions unknown, a tenth at a wrong range.
+    fn of(scan: &Scan, random: &mut impl FnMut() -> u32) -> Self {
+        let mut observed = Self::nothing();
+        for bin in 0..BINS {
+            let fate = random() % 30;
+            if fate < 10 || scan.hit[bin] == Hit::Open {
+                continue;
+            }
+            let wrong = 20 + random() % (u32::from(MAX_STEPS) - 20);
+            let steps = if fate < 13 { wrong as u16 } else { scan.steps[bin] };
+            let seen = NOMINAL_RUNG + usize::from(plane_of(steps, Hit::Wall));
+            for rung in 0..RUNGS {
+                let nats = (40 - 12 * rung.abs_diff(seen) as i32).max(-16);
+                observed.cells[rung * BINS + bin] = CellNats::from_bits(nats as i8);
+            }
+            let [right, wrong] = [8, -24].map(CellNats::from_bits);
+            let is_window = scan.hit[bin] == Hit::Window;
+            (observed.hits.window[bin], observed.hits.wall[bin]) =
+                if is_window { (right, wrong) } else { (wrong, right) };
+        }
+        observed
+    }
+
+    pub(crate) fn boundaries(&self) -> BoundaryEvidence<'_> {
+        BoundaryEvidence::new(&self.cells).unwrap()
+    }
+
+    /// The table at the camera's true height.
+    fn table(&self) -> Box<EvidenceTable> {
+        let mut table = Box::new(EvidenceTable::EMPTY);
+        evidence::weigh(&self.boundaries(), [0, 0], &self.hits, &mut table);
+        table
+    }
+
+    fn rows<const N: usize>(&self) -> Box<Rows<N>> {
+        let mut rows = Box::new(Rows::<N>::BLANK);
+        rows.set(&self.boundaries(), &self.hits, 0.5);
+        rows
+    }
+}
+
+/// The camera's height is known: 1.5 m.
+fn grid() -> heights::HeightGrid {
+    heights::HeightGrid::coarse(&heights::HeightPrior::camera(1.5))
+}
+
+/// Evidence of a scan: a third of the directions unknown, a tenth at a wrong range.
+pub(crate) fn evidence(scan: &Scan, random: &mut impl FnMut() -> u32) -> Box<EvidenceTable> {
+    Observed::of(scan, random).table()
 }
 
 pub(crate) fn point(x: f64, y: f64) -> Point {
@@ -118,16 +163,15 @@ fn check_found<const N: usize>(building: &Building, seed: u32) {
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         state >> 8
     };
-    let mut rows = Box::new(Rows::<N>::BLANK);
     let mut scan = Scan::OPEN;
     for (x, y, degrees) in [(2.13, 3.41, 17.3), (7.37, 2.09, 201.6), (9.21, 1.44, 311.8), (1.02, 6.49, 95.4)]
     {
         let (at, heading) = (point(x, y), Turn::from_ratio((degrees * 1000.0) as i64, 360_000));
         layer.plan.scan(at, heading, &mut scan).unwrap();
-        let table = evidence(&scan, &mut random);
-        rows.set(&table);
+        let observed = Observed::of(&scan, &mut random);
+        let (table, rows) = (observed.table(), observed.rows::<N>());
         let mut pool = [PoolEntry::EMPTY; 64];
-        let used = search(&rows, &[layer], |_, _| true, &mut pool);
+        let used = search(&rows, &grid(), &[layer], |_, _| true, &mut pool);
         let mut refined = poses(&[layer], &pool[..used.min(8)]);
         for pose in refined.iter_mut() {
             let climbed = refine(&table, &layer, *pose);
@@ -166,15 +210,14 @@ fn a_pose_in_a_wall_or_outside_is_returned_unchanged() {
 #[test]
 fn an_empty_table_scores_zero_everywhere() {
     let building = Building::new();
-    let mut rows = Box::new(Rows::<90>::BLANK);
-    rows.set(&EvidenceTable::EMPTY);
+    let rows = Observed::nothing().rows::<90>();
     let mut pool = [PoolEntry::EMPTY; 16];
-    let used = search(&rows, &[building.layer()], |_, _| true, &mut pool);
+    let used = search(&rows, &grid(), &[building.layer()], |_, _| true, &mut pool);
     assert!(
         used > 0 && poses(&[building.layer()], &pool[..used]).iter().all(|pose| pose.score == Nats::ZERO)
     );
-    assert_eq!(search(&rows, &[building.layer()], |_, _| false, &mut pool), 0);
-    assert_eq!(search(&rows, &[building.layer()], |_, _| true, &mut []), 0);
+    assert_eq!(search(&rows, &grid(), &[building.layer()], |_, _| false, &mut pool), 0);
+    assert_eq!(search(&rows, &grid(), &[building.layer()], |_, _| true, &mut []), 0);
 }
 
 /// Entries of a pool as poses.
@@ -189,14 +232,13 @@ fn a_pool_of_any_size_keeps_the_best() {
     let mut scan = Scan::OPEN;
     layer.plan.scan(point(7.37, 2.09), Turn::ZERO, &mut scan).unwrap();
     let mut state = 5_u32;
-    let table = evidence(&scan, &mut || {
+    let observed = Observed::of(&scan, &mut || {
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         state >> 8
     });
-    let mut rows = Box::new(Rows::<360>::BLANK);
-    rows.set(&table);
+    let rows = observed.rows::<360>();
     let mut all = vec![PoolEntry::EMPTY; 2000];
-    let used = search(&rows, &[layer, layer], |_, _| true, &mut all);
+    let used = search(&rows, &grid(), &[layer, layer], |_, _| true, &mut all);
     all.truncate(used);
     let all = poses(&[layer; 2], &all);
     assert_eq!(all[0].at, all[1].at, "both layers are kept");
@@ -211,7 +253,7 @@ fn a_pool_of_any_size_keeps_the_best() {
     assert_eq!(floors(&layers, &all), all[1]);
     for len in [1, 2, 3, 7, 100] {
         let mut few = vec![PoolEntry::EMPTY; len];
-        let kept = search(&rows, &[layer, layer], |_, _| true, &mut few);
+        let kept = search(&rows, &grid(), &[layer, layer], |_, _| true, &mut few);
         let few = poses(&[layer; 2], &few[..kept]);
         assert!(kept > 0 && few.iter().all(|pose| all.contains(pose)));
         assert_eq!(few[0], all[0]);

@@ -24,16 +24,18 @@ use crate::vision::windows::WindowEvidence;
 ///
 /// ```
 /// use compass_core::Hit;
+/// use compass_core::base::num::CellNats;
 /// use compass_core::vision::boundary::{BoundaryEvidence, CELLS, RUNGS, RangeLikelihoods};
 /// use compass_core::vision::visual_scan::scan;
 /// use compass_core::vision::windows::WindowEvidence;
 ///
 /// // A boundary of floor and wall at rung 30 in all directions, 1.44 m away, of which bins 0 to 9 are not seen.
-/// let mut cells = vec![0; CELLS];
-/// cells[30 * 360..31 * 360].fill(200);
-/// let known = core::array::from_fn(|bin| bin > 9);
+/// let mut cells = vec![CellNats::ZERO; CELLS];
+/// for rung in 0..RUNGS {
+///     cells[rung * 360 + 10..(rung + 1) * 360].fill(CellNats::from_num(if rung == 30 { 6 } else { -7 }));
+/// }
 /// let mut ranges = RangeLikelihoods::EMPTY;
-/// BoundaryEvidence::new(&cells, known).unwrap().ranges(0, &mut ranges);
+/// BoundaryEvidence::new(&cells).unwrap().ranges(0, &mut ranges);
 /// let windows = WindowEvidence { hit: [Hit::Wall; 360], ..WindowEvidence::NOTHING };
 /// let (scan, confidence) = scan(&ranges, 0, &windows);
 /// assert_eq!((scan.steps[0], scan.steps[90], scan.hit[90]), (72, 72, Hit::Wall));

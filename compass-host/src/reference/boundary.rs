@@ -180,15 +180,18 @@ fn surface(
             mass.iter().map(|m| if whole > 0.0 { m / whole } else { 0.0 }).collect()
         };
         let variants: Vec<_> = variants.iter().map(mass).collect();
-        let known = (0..ROWS).filter(|row| cells[row * BINS + bin].is_some()).count();
-        let value = |row: usize| {
-            let spread = tolerance.iter().zip(least..).map(|(share, distance)| {
-                let row = row.checked_add_signed(distance).filter(|row| *row < ROWS);
-                row.map_or(0.0, |row| {
-                    variants.iter().map(|v| share * v[row]).sum::<f64>() / variants.len() as f64
-                })
-            });
-            if known < 60 { 0.0 } else { (0.5 * 72.0 * spread.sum::<f64>() + 0.5).ln() }
+        let is_seen = |rung: usize| cells[(2 * rung + 1) * BINS + bin].is_some();
+        let known = (0..RUNGS).filter(|rung| is_seen(*rung)).count();
+        let value = |rung: usize| {
+            let (mut spread, mut unseen) = (0.0, 1.0);
+            for (share, distance) in tolerance.iter().zip(least..) {
+                let Some(rung) = rung.checked_add_signed(distance).filter(|rung| *rung < RUNGS) else {
+                    continue;
+                };
+                spread += variants.iter().map(|v| share * v[rung]).sum::<f64>() / variants.len() as f64;
+                unseen -= if is_seen(rung) { *share } else { 0.0 };
+            }
+            if known < 30 { 0.0 } else { (0.5 * (known as f64 * spread + unseen) + 0.5).ln() }
         };
         (0..RUNGS).map(value).collect()
     };

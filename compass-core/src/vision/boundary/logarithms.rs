@@ -1,6 +1,6 @@
 //! Tables of logarithms and exponentials for the logits of boundaries.
 //!
-//! micromath computes their entries: its error, below 0.001, is far below the quantum of the tables.
+//! micromath computes their entries: its relative error, below 0.003, is far below the quantum of the tables.
 
 use crate::base::num::{index_of, round_to_i16, truncate_to_i32};
 use bytemuck::{Pod, Zeroable};
@@ -107,7 +107,7 @@ mod tests {
 
     #[test]
     fn entries_are_within_their_quantum() {
-        let mut tables: Box<Logarithms> = bytemuck::zeroed_box();
+        let mut tables: Box<Logarithms> = Box::new(bytemuck::Zeroable::zeroed());
         tables.fill();
         for k in 0..4000_u16 {
             let value = 1.0 + f32::from(k) * f32::from(k) / 8000.0;
@@ -124,7 +124,7 @@ mod tests {
         for k in -1000..1500 {
             let nats = f64::from(k) / 64.0;
             let found = f64::from(tables.exp(to_logit(nats as f32)));
-            assert!((found.ln() - nats).abs() < 1.0 / 64.0 + 0.001, "exp {nats}: {found}");
+            assert!((found.ln() - nats).abs() < 1.0 / 64.0 + 0.003, "exp {nats}: {found}");
         }
         assert_eq!(tables.exp(i32::MAX), tables.exp(to_logit(23.999)));
         assert_eq!(tables.ln(f32::INFINITY), tables.ln(2047.9));

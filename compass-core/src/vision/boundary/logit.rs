@@ -5,7 +5,7 @@ use super::cells::{ROWS, RUNGS, row_of};
 use super::logarithms::{Logarithms, to_logit};
 use super::polar::OWNER_BYTES;
 use super::tuning::{
-    CHOICES, FEWEST_ROWS, FEWEST_TAPS, LEAST_SCALE, NOISE_VARIANCE, OUTLIERS, PERCENT, REGION_ROWS, Weights,
+    FEWEST_RUNGS, FEWEST_TAPS, LEAST_SCALE, NOISE_VARIANCE, OUTLIERS, PERCENT, REGION_ROWS, Weights,
 };
 use crate::base::num::{BINS, CellNats};
 use bytemuck::{Pod, Zeroable};
@@ -179,36 +179,43 @@ impl Work {
         }
     }
 
-    /// Spreads the probabilities by the tolerance; stores their log-likelihood ratios.
-    #[expect(clippy::indexing_slicing, reason = "rows and bins are below the lengths of the arrays")]
+    /// Spreads the probabilities by the tolerance; stores their log-likelihood ratios. What is not seen speaks neither for a
+    /// boundary nor against it.
     #[inline(always)]
+    #[expect(clippy::indexing_slicing, reason = "rungs and bins are below the lengths of the arrays")]
     fn spread(&self, weighing: &Weighing<'_>, first: usize, cells: &mut [CellNats]) {
-        let mut rows = [0_u8; WIDTH];
-        for row in 0..ROWS {
-            let gray = self.block.gray(row);
+        let mut known = [0_u8; WIDTH];
+        for rung in 0..RUNGS {
+            let gray = self.block.gray(row_of(rung));
             for b in 0..WIDTH {
-                rows[b] += u8::from(gray[b + REACH] > 0);
+                known[b] += u8::from(gray[b + REACH] > 0);
             }
         }
         let (least, kernel) = weighing.tolerance;
         for (rung, out) in cells.chunks_exact_mut(BINS).take(RUNGS).enumerate() {
             let mut spread = [0.0_f32; WIDTH];
+            let mut unseen = [1.0_f32; WIDTH];
             for (share, distance) in kernel.iter().zip(least..) {
-                let Some(row) = rung.checked_add_signed(distance).and_then(|rung| self.mass[0].get(rung))
-                else {
+                let Some(rung) = rung.checked_add_signed(distance).filter(|rung| *rung < RUNGS) else {
                     continue;
                 };
+                let (mass, gray) = (&self.mass[0][rung], self.block.gray(row_of(rung)));
                 for b in 0..WIDTH {
-                    spread[b] += share * row[b];
+                    spread[b] += share * mass[b];
+                    unseen[b] -= if gray[b + REACH] > 0 { *share } else { 0.0 };
                 }
             }
-            for ((out, spread), rows) in out.iter_mut().skip(first).zip(spread).zip(rows) {
+            for (b, out) in out.iter_mut().skip(first).take(WIDTH).enumerate() {
+                if known[b] < FEWEST_RUNGS {
+                    *out = CellNats::ZERO;
+                    continue;
+                }
+                // Against a boundary that is equally likely at each rung seen.
+                let ratio = f32::from(known[b]) * spread[b] + unseen[b];
                 // Twice the ratio, so that its logarithm is not negative: ln 2 is 177/256.
-                let twice = 2.0 * (OUTLIERS * CHOICES * spread + 1.0 - OUTLIERS);
-                let ratio = self.logarithms.ln(twice) - 177;
+                let nats = self.logarithms.ln(2.0 * ((1.0 - OUTLIERS) * ratio + OUTLIERS)) - 177;
                 // 1/256 nat to 1/16 nat, rounded.
-                let bits = ((ratio + 8) >> 4) as i8;
-                *out = if rows < FEWEST_ROWS { CellNats::ZERO } else { CellNats::from_bits(bits) };
+                *out = CellNats::from_bits(((nats + 8) >> 4) as i8);
             }
         }
     }

@@ -76,8 +76,11 @@ fn range_likelihoods(
 ) -> Box<RangeLikelihoods> {
     let rig = rig();
     let frames = frames(room, &rig, up);
-    let (mut edges, mut support) = (vec![initial; CELLS], vec![initial; CELLS]);
-    let buffers = Buffers { edges: &mut edges, support: &mut support };
+    let (mut gray, mut cells) =
+        (vec![initial; RASTER_CELLS], vec![CellNats::from_bits(initial as i8); CELLS]);
+    let mut work: Box<Work> = Box::default();
+    bytemuck::bytes_of_mut(&mut *work).fill(initial);
+    let buffers = Buffers { gray: &mut gray, work: &mut work, evidence: &mut cells };
     let mut finder = BoundaryFinder::new(buffers, &rig, LevelFrame::new(up).unwrap()).unwrap();
     for &camera in cameras {
         let image = GrayImage::new(&frames[camera], SIZE.into(), SIZE.into()).unwrap();
@@ -111,9 +114,9 @@ fn ranges_of_a_room_are_found_level_and_tilted() {
         let ranges = range_likelihoods(&ROOM, &up, &[0, 1], 0, None);
         let errors = errors(&ROOM, &ranges);
         assert!(errors.len() > 340, "{} bins", errors.len());
-        // A rung is 6.3 %; the support by neighbouring walls rounds corners off.
-        assert!(errors[errors.len() / 2] < 0.02, "median {}", errors[errors.len() / 2]);
-        assert!(errors[errors.len() * 9 / 10] < 0.06, "{:?}", &errors[errors.len() * 9 / 10..]);
+        // The tolerance expects the edge up to a rung, 6.3 %, beyond the drawn wall; means over neighbours round corners off.
+        assert!(errors[errors.len() / 2] < 0.06, "median {}", errors[errors.len() / 2]);
+        assert!(errors[errors.len() * 9 / 10] < 0.1, "{:?}", &errors[errors.len() * 9 / 10..]);
         let ceiling = ranges.ceiling_ratio() * ROOM.floor;
         assert!((ceiling / ROOM.ceiling - 1.0).abs() < 0.07, "ceiling {ceiling}");
     }
@@ -145,8 +148,9 @@ fn initial_contents_of_buffers_are_ignored() {
         range_likelihoods(&ROOM, &up, &[0, 1], 0xa5, None)
     );
     let rig = rig();
-    let (mut edges, mut support) = (vec![0; CELLS - 1], vec![0; CELLS]);
-    let buffers = Buffers { edges: &mut edges, support: &mut support };
+    let (mut gray, mut cells) = (vec![0; RASTER_CELLS - 1], vec![CellNats::ZERO; CELLS]);
+    let mut work: Box<Work> = Box::default();
+    let buffers = Buffers { gray: &mut gray, work: &mut work, evidence: &mut cells };
     assert!(BoundaryFinder::new(buffers, &rig, LevelFrame::new(&up).unwrap()).is_none(), "too short");
 }
 
@@ -154,10 +158,10 @@ fn initial_contents_of_buffers_are_ignored() {
 fn blank_frames_give_the_prior() {
     let room = Room { walls: [1e6; 4], floor: 1e9, ceiling: 1e9 };
     let ranges = range_likelihoods(&room, &tilted(), &[0, 1], 0, None);
-    // Only the prior remains, equal in all directions.
+    // Only the prior of rows remains, which prefers no range by more than a nat.
     for rung in 0..72 {
         let row = ranges.row(rung, 0);
-        assert!(row.iter().all(|value| *value == row[0]), "rung {rung}");
+        assert!(row.iter().all(|value| *value < 1), "rung {rung}: {row:?}");
     }
 }
 
@@ -176,38 +180,29 @@ fn camera_heights_shift_rows() {
 }
 
 /// Evidence of a floor at rung 30 in all directions, and of ceilings at the given shifts with the given evidence.
-fn cells(ceilings: &[(usize, u8)]) -> Vec<u8> {
-    let mut cells = vec![0; CELLS];
+fn cells(ceilings: &[(usize, i8)]) -> Vec<CellNats> {
+    let mut cells = vec![CellNats::from_bits(-8); CELLS];
     let (floor, above) = cells.split_at_mut(RUNGS * BINS);
-    floor[30 * BINS..31 * BINS].fill(60);
+    floor[30 * BINS..31 * BINS].fill(CellNats::from_bits(60));
     for &(offset, evidence) in ceilings {
-        above[(30 - offset) * BINS..][..BINS].fill(evidence);
+        above[(30 - offset) * BINS..][..BINS].fill(CellNats::from_bits(evidence));
     }
     cells
 }
 
 #[test]
-fn ceilings_are_ordered_by_evidence() {
+fn the_ceiling_is_guessed_by_agreement() {
     let cells = cells(&[(2, 30), (5, 50), (12, 40), (16, 10), (20, 20)]);
-    let evidence = BoundaryEvidence::new(&cells, [true; BINS]).unwrap();
-    assert_eq!(evidence.ceilings(None), [5, 12, 2, 20]);
+    let evidence = BoundaryEvidence::new(&cells).unwrap();
+    assert_eq!(evidence.guess_ceiling(None), 5);
     // The ceiling is at most 4.5 m high: 1.25 camera heights of 2 m above the camera.
-    let low = evidence.ceilings(Some(height_rungs(2.0)));
-    assert_eq!(low.first(), Some(&2), "{low:?}");
+    assert_eq!(evidence.guess_ceiling(Some(height_rungs(2.0))), 2);
     let mut ranges = Box::new(RangeLikelihoods::EMPTY);
     evidence.ranges(12, &mut ranges);
     assert!((ranges.ceiling_ratio() - libm::expf(12.0 * RUNG)).abs() < 1e-5);
     evidence.likeliest(None, &mut ranges);
     assert!((ranges.ceiling_ratio() - libm::expf(5.0 * RUNG)).abs() < 1e-5);
-    assert!(BoundaryEvidence::new(&cells[1..], [true; BINS]).is_none());
-    assert_eq!(
-        BoundaryEvidence::new(evidence.cells(), *evidence.known()).unwrap().ceilings(None),
-        evidence.ceilings(None)
-    );
-}
-
-#[test]
-fn evidence_of_nothing_has_one_ceiling() {
-    let cells = vec![0; CELLS];
-    assert_eq!(BoundaryEvidence::new(&cells, [false; BINS]).unwrap().ceilings(None).len(), 1);
+    assert!(BoundaryEvidence::new(&cells[1..]).is_none());
+    let nothing = vec![CellNats::ZERO; CELLS];
+    assert_eq!(BoundaryEvidence::new(&nothing).unwrap().guess_ceiling(None), 0);
 }

@@ -53,10 +53,8 @@ pub(super) const CEILING_TOLERANCE: (isize, [f32; 5]) = (-2, [0.08, 0.24, 0.36, 
 
 /// Share of directions whose boundary is independent of the plan.
 pub(super) const OUTLIERS: f32 = 0.5;
-/// Number of rungs among which a boundary is equally likely under "nothing known".
-pub(super) const CHOICES: f32 = 72.0;
-/// Fewest known rows of a bin with evidence.
-pub(super) const FEWEST_ROWS: u8 = 60;
+/// Fewest known rungs of a bin with evidence.
+pub(super) const FEWEST_RUNGS: u8 = 30;
 
 /// Elevations, degrees: the floor near the camera, and the walls around the horizon, below it and above it.
 pub(super) const NEAR_DEG: [f32; 2] = [38.0, 62.0];
