@@ -175,43 +175,27 @@ fn score_all(
     best
 }
 
-/// A table as a clear view writes it: 2.5 nat at the true rung, less beside it.
-fn evidence(scan: &Scan) -> Box<EvidenceTable> {
-    let mut table = Box::<EvidenceTable>::default();
-    for (bin, (&steps, &hit)) in scan.steps.iter().zip(&scan.hit).enumerate() {
-        let seen = plane_of(steps, hit);
-        for plane in 0..PLANES as u8 {
-            table.set(plane, bin, Nats::from_bits((40 - 12 * i32::from(plane.abs_diff(seen))).max(-16)));
-        }
-    }
-    table
-}
-
-/// One table against all candidates of a map of 0.5 m, then 24 refinements.
+/// Perfect evidence against all candidates of a map of 0.5 m, with refinement.
 fn likelihoods(c: &mut Criterion) {
     let raster = plan();
     let packed = PackedPlan::new(&raster).expect("a plan");
     let bytes = build(&raster, &packed, None, &BuildOptions::default()).expect("a map");
     let map = SiteMap::new(&bytes).expect("a map");
-    let layer = FloorLayer { map, number: 0, plan: packed.view(), floor: 0, name: "floor" };
     let poses = interior_poses(&raster, 20, 3).expect("an interior");
     let (x, y, heading) =
         poses.into_iter().find(|&(x, y, h)| packed.scan([x, y], h).is_ok()).expect("a free pose");
-    let table = evidence(&packed.scan([x, y], heading).expect("a free pose"));
-    let mut pool = vec![PoolEntry::EMPTY; 512];
+    let evidence = perfect(&packed.scan([x, y], heading).expect("a free pose"));
     let mut group = c.benchmark_group(format!("likelihood of {} candidates", map.len()));
     group.sample_size(20);
-    let mut fine = Box::new(Rows::<360>::BLANK);
-    fine.set(&table);
-    group.bench_function("360 headings", |b| b.iter(|| search(&fine, &[layer], |_, _| true, &mut pool)));
-    let mut coarse = Box::new(Rows::<90>::BLANK);
-    coarse.set(&table);
-    group.bench_function("90 headings", |b| b.iter(|| search(&coarse, &[layer], |_, _| true, &mut pool)));
-    let used = search(&fine, &[layer], |_, _| true, &mut pool).min(24);
-    let modes: Vec<ScoredPose> = pool[..used].iter().filter_map(|entry| entry.pose(&[layer])).collect();
-    group.bench_function(format!("{used} refinements"), |b| {
-        b.iter(|| modes.iter().map(|&mode| refine(&table, &layer, mode).score).max());
-    });
+    for (name, settings) in [("full", Settings::FULL), ("board", Settings::BOARD)] {
+        let memory = vec![0; settings.memory_words(0, 0)];
+        let mut locator: compass_core::Locator<'_, Vec<u32>> =
+            compass_core::Locator::without_rig(settings, memory).expect("a preset");
+        locator.add_floor("floor", map, packed.view()).expect("one layer");
+        group.bench_function(name, |b| {
+            b.iter(|| locator.recall(&evidence.boundaries(), &evidence.windows()).locate(HeightPrior::camera(1.5)));
+        });
+    }
     group.finish();
 }
 

@@ -88,6 +88,7 @@ pub mod simulate;
 pub mod site;
 pub mod site_file;
 pub mod up;
+pub mod up_by_plan;
 pub mod visual_descriptor;
 pub mod wall_check;
 mod wide;

@@ -1,14 +1,15 @@
 //! From a pair of frames to a pose: all stages with their default options, in one call.
 
 use crate::frame::Frame;
-use crate::locator::{Locator, SeeError, see};
+use crate::locator::{Locator, SeeError};
 use crate::up::Mount;
+use crate::up_by_plan::locate_by_plan;
 use compass_core::{Fix, HeightPrior};
 
 /// Finds the pose in a site from which a pair of frames was taken.
 ///
 /// `frames` are those of cam0 and cam1, in the sizes for which the locator's rig was made. `mount` says which side of
-/// cam0's image is up.
+/// cam0's image is up; of [`Mount::Auto`] both are tried, and the plan [decides](locate_by_plan), which takes twice the time.
 ///
 /// # Errors
 /// [`SeeError`]: the up vector cannot be determined from the image, or the frames do not match the rig.
@@ -19,8 +20,8 @@ pub fn localize<'a>(
     heights: HeightPrior,
 ) -> Result<Fix<'a>, SeeError> {
     let mut segmented = locator.segment(frames)?;
-    let up = mount.vertical(&mut segmented)?.up;
-    Ok(see(segmented.level(&up)?).locate(heights))
+    let ups = mount.candidates(&mut segmented)?;
+    Ok(locate_by_plan(segmented, &ups, heights)?.fix)
 }
 
 #[cfg(test)]
@@ -57,6 +58,11 @@ mod tests {
         assert_eq!(fix.floor_name(), Some("sample"));
         let off = [pose.at.x.to_num::<f64>() - x, pose.at.y.to_num::<f64>() - y];
         assert!(off[0].hypot(off[1]) < 0.5, "{off:?} m off");
+        // Not told, the plan decides the same, with the other side as a rival.
+        let untold = localize(&mut locator, frames, Mount::Auto, HeightPrior::UNKNOWN).unwrap();
+        assert_eq!(untold.poses(), fix.poses());
+        assert!(fix.rival().is_none() && untold.rival().is_some_and(|rival| rival < fix.best().unwrap().score));
+        assert!(untold.margin() <= fix.margin());
         let missing = localize(&mut locator, [None, None], Mount::Inverted, HeightPrior::UNKNOWN);
         assert_eq!(missing.unwrap_err().to_string(), "the frame of cam0 is missing");
         let black = Frame::from_rgb(image::RgbImage::new(736, 720)).unwrap();

@@ -2,6 +2,7 @@
 
 use crate::dataset::imu::Gravity;
 use crate::locator::{SeeError, Segmented, sky_is_above};
+use crate::up_by_plan::UpCandidate;
 use compass_core::vision::attitude::{UpHint, Vertical};
 use compass_core::vision::camera::Bearing;
 use serde::{Deserialize, Serialize};
@@ -9,10 +10,13 @@ use serde::{Deserialize, Serialize};
 /// Largest angle between the up vectors of image and IMU at which they agree, degrees.
 const AGREEING_DEG: f64 = 10.0;
 
+/// Smallest support times prior of a further vertical direction that is tried, as a share of those of the first.
+const LEAST_SHARE: f32 = 0.5;
+
 /// How cam0 is mounted: which side of its image is up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Mount {
-    /// Inferred from the windows: the sky is brighter than the ground.
+    /// Not told: a site decides, and without one the windows: the sky is brighter than the ground.
     #[default]
     Auto,
     /// The top of the image is up.
@@ -33,16 +37,44 @@ impl Mount {
         }
     }
 
+    fn hint(self) -> UpHint {
+        self.top().map_or(UpHint::Axis(-Bearing::y()), UpHint::Up)
+    }
+
     /// The up vector of frames, searched near the vertical axis of cam0's image.
     ///
     /// # Errors
     /// [`SeeError::NoVertical`] if too few segments agree; [`SeeError::NoSky`].
     pub fn vertical(self, segmented: &mut Segmented<'_, '_, '_>) -> Result<Vertical, SeeError> {
-        let mut vertical = segmented.vertical(self.top().map_or(UpHint::Axis(-Bearing::y()), UpHint::Up))?;
+        let mut vertical = segmented.vertical(self.hint())?;
         if self == Self::Auto && !sky_is_above(segmented, &vertical.up)?.ok_or(SeeError::NoSky)? {
             vertical.up = -vertical.up;
         }
         Ok(vertical)
+    }
+
+    /// The directions that may be up, for the plan of a site to [choose](crate::up_by_plan::locate_by_plan) from: the
+    /// vertical one, others that are nearly as likely, and the opposite of each where the mounting is not told.
+    ///
+    /// # Errors
+    /// [`SeeError::NoVertical`] if too few segments agree.
+    pub fn candidates(self, segmented: &mut Segmented<'_, '_, '_>) -> Result<Vec<UpCandidate>, SeeError> {
+        let hint = self.hint();
+        let found = segmented.verticals(hint);
+        let rank = |vertical: &Vertical| vertical.support * hint.prior(&vertical.up);
+        let least = LEAST_SHARE * rank(found.first().ok_or(SeeError::NoVertical)?);
+        let likely = found.iter().filter(|vertical| rank(vertical) >= least).map(|vertical| vertical.up);
+        if self != Self::Auto {
+            return Ok(likely.map(UpCandidate::only).collect());
+        }
+        let mut candidates = Vec::new();
+        for up in likely {
+            // Without a heading it is refused later, unless another one has a heading.
+            let sky = sky_is_above(segmented, &up).unwrap_or(None);
+            candidates.push(UpCandidate { up, has_sky: sky == Some(true) });
+            candidates.push(UpCandidate { up: -up, has_sky: sky == Some(false) });
+        }
+        Ok(candidates)
     }
 }
 
@@ -106,6 +138,23 @@ impl UpSources {
                 Err(error) => Err(error),
             },
             _ => Ok((self.vertical(segmented)?.up, UpFrom::Image)),
+        }
+    }
+
+    /// The directions in cam0 that may be up, and their source: one, or from the image alone those of
+    /// [`Mount::candidates`].
+    ///
+    /// # Errors
+    /// As [`Self::resolve`], without [`SeeError::NoSky`].
+    pub fn candidates(
+        &self,
+        segmented: &mut Segmented<'_, '_, '_>,
+    ) -> Result<(Vec<UpCandidate>, UpFrom), SeeError> {
+        match (self.from, self.imu) {
+            (UpFrom::Imu | UpFrom::Both, Some(_)) => {
+                self.resolve(segmented).map(|(up, from)| (vec![UpCandidate::only(up)], from))
+            }
+            _ => Ok((self.mount.candidates(segmented)?, UpFrom::Image)),
         }
     }
 

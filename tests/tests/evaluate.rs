@@ -114,6 +114,23 @@ fn resumes(folder: &Folder, first: &Value) {
 }
 
 #[test]
+fn the_plan_decides_which_way_is_up() {
+    let folder = recording();
+    let told = folder.json(&format!("{LINE} --every 2 --out told"));
+    let tried = folder.json(&format!("{} --every 2 --out tried", LINE.replace("--mount upright", "")));
+    assert_eq!(number(&tried["unseen"]), 0.0);
+    let results = |result: &Value| result["results"].as_array().unwrap().clone();
+    for (tried, told) in results(&tried).iter().zip(&results(&told)) {
+        for key in ["timestamp_ns", "single", "track", "up_from", "paper_range"] {
+            assert_eq!(tried[key], told[key], "{key}");
+        }
+        // With the other side up the frames have a pose as well, a worse one: a rival.
+        let margins = [tried, told].map(|frame| number(&frame["margin"]));
+        assert!(0.0 < margins[0] && margins[0] <= margins[1], "{margins:?}");
+    }
+}
+
+#[test]
 fn bad_input_is_named_and_leaves_nothing() {
     let folder = recording();
     let list = "set/cam1/data.csv";

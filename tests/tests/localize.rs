@@ -99,6 +99,30 @@ fn one_camera_works() {
 }
 
 #[test]
+fn the_plan_decides_which_way_is_up() {
+    let folder = Folder::new();
+    let (at, heading) = FRAME_POSE;
+    for roll in [7.0, 187.0] {
+        let pose = Pose::looking(1, [at[0], at[1], 1.6], heading, 4.0, roll);
+        let options = folder.write_frames(&sample_frames(&pose, SIZE));
+        let answer = folder.json(&format!("localize --map sample.site {options}"));
+        let (metres, degrees) = errors(&answer, at, heading);
+        assert!(metres < 0.5 && degrees < 3.0, "roll {roll}: {metres} m, {degrees} degrees");
+        let mount = if roll > 90.0 { "inverted" } else { "upright" };
+        let told = folder.json(&format!("localize --map sample.site {options} --mount {mount}"));
+        for key in ["candidates", "up_in_cam0", "bits", "walls"] {
+            assert_eq!(answer[key], told[key], "roll {roll}: {key}");
+        }
+    }
+    // Gray frames have no vertical lines: that is an answer, and no bad input.
+    let gray = RgbImage::from_pixel(SIZE.0, SIZE.1, Rgb([90; 3]));
+    let options = folder.write_frames(&[gray.clone(), gray]);
+    let ran = folder.run(&format!("localize --map sample.site {options}"));
+    assert_eq!((ran.status, ran.stdout.as_str()), (Some(1), ""), "{}", ran.stderr);
+    assert!(ran.stderr.contains("cannot tell which way is up"), "{}", ran.stderr);
+}
+
+#[test]
 fn bad_input_is_refused() {
     let (folder, options) = folder_with_frames();
     let before = folder.names();

@@ -12,8 +12,8 @@ use compass_core::base::ladder::height_rungs;
 use compass_core::base::scan::{Hit, Scan};
 use compass_core::descriptor::Descriptor;
 use compass_core::descriptor::similarity::{Candidate, Query, Similarity, Weights};
-use compass_core::pose::Rows;
-use compass_core::pose::evidence::{EvidenceTable, weigh};
+use compass_core::pose::evidence::{EvidenceTable, HitEvidence, weigh};
+use compass_core::vision::boundary::RangeLikelihoods;
 use compass_core::vision::camera::Bearing;
 use compass_core::vision::windows::WindowEvidence;
 use compass_core::{HeightPrior, Settings};
@@ -91,10 +91,14 @@ fn observations(data: &Path) -> Vec<Observation> {
         let height_m = pose.position.z as f32;
         let mut shown = see(locator.segment(frames).unwrap().level(&up).unwrap());
         let windows = shown.window_evidence().clone();
-        let ranges = shown.range_likelihoods(HeightPrior::camera(height_m)).unwrap();
+        let mut ranges = Box::new(RangeLikelihoods::EMPTY);
+        shown.range_likelihoods(HeightPrior::camera(height_m), &mut ranges);
+        let camera = height_rungs(height_m);
+        let ceiling = height_rungs(ranges.ceiling_ratio() * height_m);
         let mut evidence = Box::new(EvidenceTable::EMPTY);
-        weigh(ranges, height_rungs(height_m), &windows, &mut evidence);
-        let seen = VisualDescriptor::new(ranges, &windows, Some(height_m));
+        let hits = HitEvidence::new(&windows);
+        weigh(&shown.boundaries().unwrap(), [camera, ceiling], &hits, &mut evidence);
+        let seen = VisualDescriptor::new(&ranges, &windows, Some(height_m));
         let at = [pose.position.x, pose.position.y];
         let scans = |heading: f64| layers.each_ref().map(|layer| layer.scan(at, heading).ok());
         let (ahead, east) = (scans(pose.heading_deg()), scans(0.0));
@@ -160,12 +164,12 @@ impl Observation {
     }
 
     fn off_by_evidence(&self) -> f64 {
-        let mut rows = Box::new(Rows::<360>::BLANK);
-        rows.set(&self.evidence);
         self.off(|scan| {
-            let mut scores = [0; 360];
-            rows.scores(&Rows::<360>::planes(scan), &mut scores);
-            scores.map(f64::from)
+            let at = |bin: usize, heading: usize| {
+                let from = (bin + heading) % 360;
+                self.evidence.at(scan.steps[from], scan.hit[from], bin).to_num::<f64>()
+            };
+            std::array::from_fn(|heading| (0..360).map(|bin| at(bin, heading)).sum())
         })
     }
 }

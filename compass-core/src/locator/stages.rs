@@ -11,7 +11,7 @@ use crate::pose::heights::{HeightPrior, Heights};
 use crate::pose::locate::{Work, locate};
 use crate::pose::track::{Estimate, Motion, Observation, Track};
 use crate::pose::{Fix, FloorLayer};
-use crate::vision::attitude::{self, Arc, UpHint, Vertical, vertical};
+use crate::vision::attitude::{self, Arc, MOST_VERTICALS, UpHint, Vertical, vertical, verticals};
 use crate::vision::boundary::{BoundaryEvidence, BoundaryFinder};
 use crate::vision::camera::{Bearing, CAMERAS};
 use crate::vision::lens_field;
@@ -20,6 +20,7 @@ use crate::vision::segments::{self, Segment, detect, smooth};
 use crate::vision::windows::{
     Window, WindowEvidence, WindowFinder, segment_parameters, sky_is_above, wants_smoothed,
 };
+use heapless::Vec;
 
 /// Frames whose line segments were found.
 #[derive(Debug)]
@@ -79,15 +80,35 @@ where
     /// [`Error::Up`] if too few segments point to one.
     #[inline(never)]
     pub fn vertical(&mut self, hint: UpHint) -> Result<Vertical, Error> {
-        self.locator.trace.begin(Stage::Up);
-        self.locator.found.arcs = collect_arcs(self.locator);
-        let parameters = attitude::Parameters {
-            tolerance_deg: self.locator.settings.tolerance_deg(self.locator.resolution),
-            ..attitude::Parameters::default()
-        };
+        let parameters = self.begin_up();
         let found = vertical(arcs(self.locator), hint, &parameters);
         self.locator.trace.end(Stage::Up, Picture::Up(found.as_ref()));
         found.ok_or(Error::Up)
+    }
+
+    /// The directions that may be vertical, at least 30 degrees apart: that of [`vertical`](Self::vertical) first, then by
+    /// descending [support](Vertical::support) times [prior](UpHint::prior); near a hint that is [`UpHint::Up`] no other one
+    /// is more than 45 degrees from it. Empty if too few segments point to one.
+    ///
+    /// To try each, [`level`](Self::level) what [`by_ref`](Self::by_ref) gives.
+    #[inline(never)]
+    pub fn verticals(&mut self, hint: UpHint) -> Vec<Vertical, MOST_VERTICALS> {
+        let parameters = self.begin_up();
+        let found = verticals(arcs(self.locator), hint, &parameters);
+        self.locator.trace.end(Stage::Up, Picture::Up(found.first()));
+        found
+    }
+
+    fn begin_up(&mut self) -> attitude::Parameters {
+        self.locator.trace.begin(Stage::Up);
+        self.locator.found.arcs = collect_arcs(self.locator);
+        let tolerance_deg = self.locator.settings.tolerance_deg(self.locator.resolution);
+        attitude::Parameters { tolerance_deg, ..attitude::Parameters::default() }
+    }
+
+    /// The same frames, lent: further stages leave the segments, so another up vector can be tried after them.
+    pub fn by_ref(&mut self) -> Segmented<'_, 'f, Locator<'a, M, T, LAYERS>> {
+        Segmented { locator: self.locator, frames: self.frames }
     }
 
     /// Next stage, with the vertical vanishing point near a hint.

@@ -26,6 +26,8 @@ pub struct Fix<'a> {
     known: HeightPrior,
     /// Floor and layer of the likeliest pose.
     layer: Option<Place<'a>>,
+    /// Score of the best pose under another assumption, if one was tried.
+    rival: Option<Nats>,
 }
 
 /// A floor and one of its layers.
@@ -45,7 +47,7 @@ impl<'a> Fix<'a> {
     ) -> Self {
         let layer = alternatives.best().and_then(|best| layers.get(usize::from(best.layer)));
         let layer = layer.map(|layer| Place { floor: layer.floor, name: layer.name, number: layer.number });
-        Self { alternatives, heights, known, layer }
+        Self { alternatives, heights, known, layer, rival: None }
     }
 
     /// No pose.
@@ -56,6 +58,7 @@ impl<'a> Fix<'a> {
             heights: Heights { camera, ceiling: 0 },
             known,
             layer: None,
+            rival: None,
         }
     }
 
@@ -88,10 +91,25 @@ impl<'a> Fix<'a> {
     }
 
     /// Difference of the best and the second best score among poses that are separated; the best score itself without
-    /// a second one.
+    /// a second one. A [rival](Self::with_rival) is one of them; of a better one the margin is 0.
     #[must_use]
     pub fn margin(&self) -> Nats {
-        self.alternatives.margin()
+        let margin = self.alternatives.margin();
+        let lead = self.best().zip(self.rival).map(|(best, rival)| best.score.saturating_sub(rival));
+        lead.map_or(margin, |lead| margin.min(lead).max(Nats::ZERO))
+    }
+
+    /// The same with a rival: the best score elsewhere under another assumption of the same frames, such as another up
+    /// vector. It is no pose of this result, but [`margin`](Self::margin) and [`probability`](Self::probability) count it.
+    #[must_use]
+    pub fn with_rival(self, score: Nats) -> Self {
+        Self { rival: Some(self.rival.map_or(score, |rival| rival.max(score))), ..self }
+    }
+
+    /// Score of the best [rival](Self::with_rival).
+    #[must_use]
+    pub const fn rival(&self) -> Option<Nats> {
+        self.rival
     }
 
     /// Whether the [probability](Self::probability) reaches [`SURE`].

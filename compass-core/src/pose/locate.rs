@@ -86,7 +86,7 @@ type Found = (ScoredPose, [i8; 2]);
 /// # let site = Site::new(&bytes)?;
 /// # let floor = site.floor(0).unwrap();
 /// # let map = *floor.map();
-/// use compass_core::HeightPrior;
+/// use compass_core::{HeightPrior, Nats};
 /// use compass_core::base::num::LogOdds;
 /// use compass_core::base::confidence::Confidence;
 /// use compass_core::pose::locate::{Effort, Work, locate};
@@ -116,7 +116,11 @@ type Found = (ScoredPose, [i8; 2]);
 /// let fix = locate(&boundaries, HeightPrior::camera(1.5), &windows, &[layer], &mut work);
 /// assert_eq!(fix.floor_name(), Some(floor.name()));
 /// assert_eq!(fix.camera_height_m(), 1.5);
-/// assert!(fix.margin() < fix.best().unwrap().score, "windows alone leave alternatives");
+/// let score = fix.best().unwrap().score;
+/// assert!(fix.margin() < score, "windows alone leave alternatives");
+/// // The same score elsewhere, for another up vector, leaves no margin; a low one changes nothing.
+/// assert_eq!(fix.clone().with_rival(score).margin(), Nats::ZERO);
+/// assert_eq!(fix.clone().with_rival(Nats::ZERO).margin(), fix.margin());
 /// # Ok::<(), Box<dyn core::error::Error>>(())
 /// ```
 pub fn locate<'a>(

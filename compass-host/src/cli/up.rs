@@ -5,7 +5,7 @@ use compass_host::up::{Mount, UpFrom};
 /// [`Mount`] as `--mount` takes it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub(super) enum MountOption {
-    /// Told from the windows: the sky is brighter than the ground
+    /// Not told: with a site both are tried and the plan decides; else the windows tell, by the bright sky
     Auto,
     /// The top
     Upright,

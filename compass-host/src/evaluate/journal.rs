@@ -138,6 +138,7 @@ mod tests {
             height: 2,
             ceiling: 0,
             single: vec![super::super::Found { layer: 1, x: -5 << 32, y: 7, heading: u32::MAX, score: -3 }],
+            rival: Some(7),
             oracle: Vec::new(),
             paper: [None; crate::evaluate::PAPER.len()],
             milliseconds: BTreeMap::from([("locate".to_owned(), 12.25)]),

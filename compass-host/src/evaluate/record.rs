@@ -54,6 +54,9 @@ pub struct Record {
     pub ceiling: i8,
     /// The single frame's best pose and its alternatives.
     pub single: Vec<Found>,
+    /// Bits of the best score elsewhere with another up vector, if several were tried.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rival: Option<i32>,
     /// The poses of the same search on evidence computed from the plan at the true pose.
     pub oracle: Vec<Found>,
     /// The best match by the paper's cosine, in each of the [`PAPER`] ways.
@@ -108,7 +111,8 @@ impl Record {
     #[must_use]
     pub fn margin(&self) -> f64 {
         let score = |at: usize| self.single.get(at).map_or(Nats::ZERO, |found| Nats::from_bits(found.score));
-        score(0).saturating_sub(score(1)).to_num()
+        let rival = self.rival.map_or(Nats::MIN, Nats::from_bits);
+        score(0).saturating_sub(score(1)).min(score(0).saturating_sub(rival).max(Nats::ZERO)).to_num()
     }
 
     /// Estimated probability that the best pose is right.

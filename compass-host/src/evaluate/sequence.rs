@@ -159,6 +159,7 @@ mod tests {
             height: -1,
             ceiling: 0,
             single: Vec::new(),
+            rival: None,
             oracle: Vec::new(),
             paper: [None; crate::evaluate::PAPER.len()],
             milliseconds: std::collections::BTreeMap::new(),

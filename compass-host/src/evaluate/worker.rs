@@ -12,17 +12,24 @@ use crate::frame::Frame;
 use crate::locator::{Locator, NoPlan, SeeError, see};
 use crate::site;
 use crate::up::{UpFrom, UpSources};
+use crate::up_by_plan::{Tried, UpCandidate, best};
 use compass_core::base::confidence::Confidence;
 use compass_core::base::ladder::NOMINAL_HEIGHT_M;
-use compass_core::base::num::BINS;
+use compass_core::base::num::{BINS, Nats};
 use compass_core::base::scan::Scan;
 use compass_core::vision::boundary::RangeLikelihoods;
 use compass_core::vision::visual_scan;
 use compass_core::{HeightPrior, Settings};
 use std::collections::BTreeMap;
 
-/// The observed frame, its up vector, and the source of that.
-type Seen = (Evidence, [f32; 3], UpFrom);
+/// The evidence of a frame with an up vector in cam0.
+#[derive(Debug)]
+struct Look {
+    evidence: Evidence,
+    up: [f32; 3],
+    /// Whether the windows show the sky above.
+    has_sky: bool,
+}
 
 /// Sizes of the frames of the two cameras.
 type Sizes = [Option<(u32, u32)>; 2];
@@ -73,6 +80,7 @@ impl<'a> Worker<'a> {
             ceiling: 0,
             height_m: self.job.height_m.unwrap_or(NOMINAL_HEIGHT_M),
             single: Vec::new(),
+            rival: None,
             oracle: Vec::new(),
             paper: [None; PAPER.len()],
             milliseconds: BTreeMap::new(),
@@ -80,10 +88,9 @@ impl<'a> Worker<'a> {
         let up =
             UpSources { from: UpFrom::Both, mount: self.job.mount, imu: self.job.gravity(shot.timestamp_ns) };
         match self.see(frames, &up, &mut clock)? {
-            Ok((evidence, up, up_from)) => {
-                record.up = Some(up);
+            Ok((looks, up_from)) => {
                 record.up_from = up_from;
-                self.search(&evidence, &mut record, &mut clock)?;
+                self.search(looks, &mut record, &mut clock)?;
             }
             Err(problem) => record.problem = Some(problem.to_string()),
         }
@@ -92,20 +99,25 @@ impl<'a> Worker<'a> {
         Ok(record)
     }
 
-    /// The evidence of the frames, or why there is none.
+    /// The evidence of the frames with each up vector that may be right, and the source of those; or why there is none.
     fn see(
         &mut self,
         frames: [Option<&Frame>; 2],
         up: &UpSources,
         clock: &mut Clock,
-    ) -> Result<Result<Seen, SeeError>> {
+    ) -> Result<Result<(Vec<Look>, UpFrom), SeeError>> {
         let locator = self.locator(frames.map(|frame| frame.map(|frame| (frame.width(), frame.height()))))?;
         let mut observe = || {
             let mut segmented = locator.segment(frames)?;
-            let (up, from) = up.resolve(&mut segmented)?;
-            let levelled = segmented.level(&up)?;
-            let up = levelled.frame().up();
-            Ok((Evidence::of(&mut see(levelled)), [up.x, up.y, up.z], from))
+            let (candidates, from) = up.candidates(&mut segmented)?;
+            let looks = candidates.iter().filter_map(|UpCandidate { up, has_sky }| {
+                let levelled = segmented.by_ref().level(up).ok()?;
+                let up = levelled.frame().up();
+                let evidence = Evidence::of(&mut see(levelled));
+                Some(Look { evidence, up: [up.x, up.y, up.z], has_sky: *has_sky })
+            });
+            let looks: Vec<Look> = looks.collect();
+            if looks.is_empty() { Err(SeeError::Up) } else { Ok((looks, from)) }
         };
         let seen = observe();
         clock.extend(locator.watch().milliseconds());
@@ -125,19 +137,26 @@ impl<'a> Worker<'a> {
         Ok(&mut self.locators[at].1)
     }
 
-    /// The pose search and the paper's matching.
-    fn search(&mut self, evidence: &Evidence, record: &mut Record, clock: &mut Clock) -> Result<()> {
-        let windows = evidence.windows();
+    /// The pose search, in which the plan decides which way is up, and the paper's matching.
+    fn search(&mut self, looks: Vec<Look>, record: &mut Record, clock: &mut Clock) -> Result<()> {
         let known = self.job.height_m.map_or(HeightPrior::UNKNOWN, HeightPrior::camera);
-        let mut seen = self.search.recall(&evidence.boundaries(), &windows);
-        let fix = seen.locate(known);
+        let tried = looks.into_iter().map(|look| {
+            let Look { evidence, has_sky, .. } = &look;
+            let fix = self.search.recall(&evidence.boundaries(), &evidence.windows()).locate(known);
+            Tried { has_sky: *has_sky, with: look, fix }
+        });
+        let Some((Look { evidence, up, .. }, fix)) = best(tried.collect()) else { return Ok(()) };
         clock.stage("locate");
+        record.up = Some(up);
+        record.rival = fix.rival().map(Nats::to_bits);
         record.height_m = fix.camera_height_m();
         // A score of 0 carries no information.
         record.single = fix.poses().iter().map(Found::from).filter(|found| found.score > 0).collect();
         [record.height, record.ceiling] = fix.heights().to_rungs();
         evidence.write(&self.job.evidence_file(record.timestamp_ns))?;
         clock.stage("write");
+        let windows = evidence.windows();
+        let mut seen = self.search.recall(&evidence.boundaries(), &windows);
         let mut ranges = Box::new(RangeLikelihoods::EMPTY);
         seen.range_likelihoods(HeightPrior::both(fix.heights()), &mut ranges);
         let (scan, confidence) = visual_scan::scan(&ranges, record.height, &windows);

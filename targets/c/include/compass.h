@@ -225,12 +225,8 @@ typedef struct {
   uint8_t refined_poses;
   // Poses of these that are refined to the end, 1 to 48: the others are right to a decimetre or two.
   uint8_t refined_fully;
-  // Heights of the ceiling that are tried until an answer is sure, 1 to 4.
-  uint8_t ceilings;
   // Stride of the rays that coarse refinement casts, 4 to 36.
   uint8_t rays;
-  // 1 if an answer that is not sure is sought once more with twice as many camera heights, else 0.
-  uint8_t finer_heights;
 } CompassEffort;
 
 // How the pipeline works. Start from compass_settings and change what differs.

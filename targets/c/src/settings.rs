@@ -47,12 +47,8 @@ pub struct CompassEffort {
     pub refined_poses: u8,
     /// Poses of these that are refined to the end, 1 to 48: the others are right to a decimetre or two.
     pub refined_fully: u8,
-    /// Heights of the ceiling that are tried until an answer is sure, 1 to 4.
-    pub ceilings: u8,
     /// Stride of the rays that coarse refinement casts, 4 to 36.
     pub rays: u8,
-    /// 1 if an answer that is not sure is sought once more with twice as many camera heights, else 0.
-    pub finer_heights: u8,
 }
 
 /// How the pipeline works. Start from compass_settings and change what differs.
@@ -122,7 +118,7 @@ impl CompassSettings {
     /// No preset: refused.
     const NONE: Self = {
         const EFFORT: CompassEffort =
-            CompassEffort { refined_poses: 0, refined_fully: 0, ceilings: 0, rays: 0, finer_heights: 0 };
+            CompassEffort { refined_poses: 0, refined_fully: 0, rays: 0 };
         Self {
             preset: AnyPreset(0),
             smoothing: AnySmoothing(0),
@@ -184,13 +180,11 @@ impl CompassSettings {
 
 impl CompassEffort {
     const fn new(effort: &Effort) -> Self {
-        let Effort { refined_poses, refined_fully, ceilings, rays, finer_heights } = *effort;
+        let Effort { refined_poses, refined_fully, rays } = *effort;
         Self {
             refined_poses: refined_poses as u8,
             refined_fully: refined_fully as u8,
-            ceilings: ceilings as u8,
             rays: rays as u8,
-            finer_heights: finer_heights as u8,
         }
     }
 
@@ -198,9 +192,7 @@ impl CompassEffort {
         Ok(Effort {
             refined_poses: ranged("effort.refined_poses", self.refined_poses.into(), Field::RefinedPoses)?,
             refined_fully: ranged("effort.refined_fully", self.refined_fully.into(), Field::RefinedFully)?,
-            ceilings: ranged("effort.ceilings", self.ceilings.into(), Field::Ceilings)?,
             rays: ranged("effort.rays", self.rays.into(), Field::Rays)?,
-            finer_heights: flag("effort.finer_heights", self.finer_heights)?,
         })
     }
 }

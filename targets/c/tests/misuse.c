@@ -134,7 +134,7 @@ static void memory_and_settings(void) {
     wrong[7].lens_field_mask = 2;
     wrong[8].smoothing = (CompassSmoothing)-1;
     wrong[9].effort.refined_poses = 49;
-    wrong[10].effort_at_known_height.ceilings = 0;
+    wrong[10].effort_at_known_height.refined_fully = 0;
     wrong[11].effort.rays = 3;
     wrong[12].effort.refined_poses = 7;
     for (size_t i = 0; i < COUNT(wrong); i++) {

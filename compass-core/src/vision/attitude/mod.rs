@@ -11,11 +11,13 @@ mod arc;
 mod axes;
 mod search;
 mod vertical;
+mod verticals;
 
 pub use arc::Arc;
 pub use axes::{Axes, building_axes};
 pub use search::{LEAST_INLIERS, Parameters, UpHint, vertical};
 pub use vertical::Vertical;
+pub use verticals::{MOST_VERTICALS, verticals};
 
 /// Bound, in degrees, of the angle between the up vector and the one that `f64` arithmetic refines from the same segments.
 pub const UP_ERROR_DEG: f32 = 0.02;

@@ -11,7 +11,7 @@ pub const LEAST_INLIERS: u16 = 20;
 /// Number of candidate directions that are refined.
 const PEAKS: usize = 6;
 /// Smallest separation of candidate directions: cosine of 6 degrees.
-const APART: f32 = 0.994_521_9;
+pub(super) const APART: f32 = 0.994_521_9;
 /// Iterations of the reweighted refinement.
 const ROUNDS: usize = 8;
 /// Standard deviation of the prior of the vertical around the hint, degrees.
@@ -24,6 +24,31 @@ pub enum UpHint {
     Up(Bearing),
     /// Near this axis or its opposite, equally likely; the answer has the sign of the vector.
     Axis(Bearing),
+}
+
+impl UpHint {
+    /// Prior of a unit vector, relative to the direction of the hint itself, 0 to 1: a Gaussian of 35 degrees. What
+    /// [`vertical`] selects by is this times the [support](Vertical::support).
+    ///
+    /// ```
+    /// use compass_core::{Bearing, UpHint};
+    ///
+    /// let hint = UpHint::Axis(Bearing::y());
+    /// assert_eq!((hint.prior(&Bearing::y()), hint.prior(&-Bearing::y())), (1.0, 1.0));
+    /// assert!(hint.prior(&Bearing::x()) < 0.04, "90 degrees off");
+    /// ```
+    #[must_use]
+    pub fn prior(&self, direction: &Bearing) -> f32 {
+        let (Self::Up(hint) | Self::Axis(hint)) = *self;
+        let cos = direction.dot(&unit(hint, 1e-6).unwrap_or_else(Vector3::y));
+        prior(if matches!(self, Self::Axis(_)) { libm::fabsf(cos) } else { cos })
+    }
+}
+
+/// The prior at this cosine of the angle to the hint.
+fn prior(cos: f32) -> f32 {
+    let off = degrees(libm::acosf(cos.clamp(-1.0, 1.0))) / SPREAD_DEG;
+    libm::expf(-0.5 * off * off)
 }
 
 /// Parameters of the search.
@@ -45,12 +70,15 @@ impl Default for Parameters {
 
 /// A candidate direction.
 #[derive(Debug, Clone, Copy)]
-struct Peak {
-    direction: Bearing,
-    support: f32,
+pub(super) struct Peak {
+    pub(super) direction: Bearing,
+    pub(super) support: f32,
     /// Support times the prior of the hint.
-    rank: f32,
+    pub(super) rank: f32,
 }
+
+/// The best candidates, each apart from the others.
+pub(super) type Peaks = Vec<Peak, PEAKS>;
 
 /// Finds the vertical vanishing point of arcs, the up vector.
 ///
@@ -90,27 +118,20 @@ struct Peak {
 #[must_use]
 pub fn vertical(arcs: &[Arc], hint: UpHint, parameters: &Parameters) -> Option<Vertical> {
     let scorer = Scorer::new(arcs, hint, parameters.tolerance_deg);
-    let mut random = Random(parameters.seed.wrapping_mul(0x9e37_79b9) | 1);
-    let mut peaks: Vec<Peak, PEAKS> = Vec::new();
-    for _ in 0..parameters.trials {
-        let (Some(a), Some(b)) = (random.pick(arcs), random.pick(arcs)) else { break };
-        if let Some(direction) = unit(a.normal.cross(&b.normal), 0.05) {
-            keep(&mut peaks, scorer.peak(direction));
-        }
-    }
-    for peak in &mut peaks {
-        *peak = scorer.refined(peak.direction);
-    }
-    let best = *peaks.iter().max_by(|a, b| a.rank.total_cmp(&b.rank))?;
-    let apart = |m: &&Peak| m.direction.dot(&best.direction).abs() < APART;
-    let runner_up = peaks.iter().filter(apart).map(|m| m.support).fold(0.0, f32::max);
-    let answer = scorer.answer(best, runner_up);
-    (answer.inliers.iter().sum::<u16>() >= LEAST_INLIERS).then_some(answer)
+    let mut peaks = Peaks::new();
+    scorer.sample(parameters, |peak| keep(&mut peaks, peak, APART));
+    scorer.best(&mut peaks)
 }
 
-/// Inserts a peak with non-maximum suppression: it replaces lower-ranked peaks near it, or the lowest of a full list.
-fn keep(peaks: &mut Vec<Peak, PEAKS>, peak: Peak) {
-    let close = |m: &Peak| m.direction.dot(&peak.direction).abs() >= APART;
+/// Support of the best of the other peaks, at least 6 degrees away.
+pub(super) fn runner_up<'p>(best: &Peak, peaks: impl Iterator<Item = &'p Peak>) -> f32 {
+    peaks.filter(|m| m.direction.dot(&best.direction).abs() < APART).map(|m| m.support).fold(0.0, f32::max)
+}
+
+/// Inserts a peak with non-maximum suppression: it replaces lower-ranked peaks within an angle of this cosine, or the
+/// lowest of a full list.
+pub(super) fn keep(peaks: &mut Peaks, peak: Peak, apart: f32) {
+    let close = |m: &Peak| m.direction.dot(&peak.direction).abs() >= apart;
     if peaks.iter().any(|m| close(m) && m.rank >= peak.rank) {
         return;
     }
@@ -127,22 +148,43 @@ fn keep(peaks: &mut Vec<Peak, PEAKS>, peak: Peak) {
 }
 
 /// Scores directions by the arcs that agree with them.
-struct Scorer<'a> {
+pub(super) struct Scorer<'a> {
     arcs: &'a [Arc],
-    hint: Bearing,
-    signed: bool,
+    pub(super) hint: Bearing,
+    pub(super) signed: bool,
     /// 1 / sin^2 of the tolerance.
     sharpness: f32,
 }
 
 impl<'a> Scorer<'a> {
-    fn new(arcs: &'a [Arc], hint: UpHint, tolerance_deg: f32) -> Self {
+    pub(super) fn new(arcs: &'a [Arc], hint: UpHint, tolerance_deg: f32) -> Self {
         let (hint, signed) = match hint {
             UpHint::Up(up) => (up, true),
             UpHint::Axis(axis) => (axis, false),
         };
         let hint = unit(hint, 1e-6).unwrap_or_else(Vector3::y);
         Self { arcs, hint, signed, sharpness: sharpness(tolerance_deg) }
+    }
+
+    /// Scores the intersections of pairs of arcs.
+    #[inline(always)]
+    pub(super) fn sample(&self, parameters: &Parameters, mut take: impl FnMut(Peak)) {
+        let mut random = Random(parameters.seed.wrapping_mul(0x9e37_79b9) | 1);
+        for _ in 0..parameters.trials {
+            let (Some(a), Some(b)) = (random.pick(self.arcs), random.pick(self.arcs)) else { break };
+            if let Some(direction) = unit(a.normal.cross(&b.normal), 0.05) {
+                take(self.peak(direction));
+            }
+        }
+    }
+
+    /// The best of the peaks, each refined, if enough arcs agree with it.
+    pub(super) fn best(&self, peaks: &mut Peaks) -> Option<Vertical> {
+        for peak in peaks.iter_mut() {
+            *peak = self.refined(peak.direction);
+        }
+        let best = *peaks.iter().max_by(|a, b| a.rank.total_cmp(&b.rank))?;
+        self.answer(best, runner_up(&best, peaks.iter()))
     }
 
     #[inline(always)]
@@ -153,12 +195,11 @@ impl<'a> Scorer<'a> {
     fn peak(&self, direction: Bearing) -> Peak {
         let direction = if direction.dot(&self.hint) < 0.0 { -direction } else { direction };
         let support: f32 = self.arcs.iter().map(|arc| arc.weight * self.agreement(arc, &direction)).sum();
-        let off = degrees(libm::acosf(direction.dot(&self.hint).clamp(-1.0, 1.0))) / SPREAD_DEG;
-        Peak { direction, support, rank: support * libm::expf(-0.5 * off * off) }
+        Peak { direction, support, rank: support * prior(direction.dot(&self.hint)) }
     }
 
     /// Iteratively reweighted least squares: the eigenvector of the smallest eigenvalue of the weighted scatter of normals.
-    fn refined(&self, mut direction: Bearing) -> Peak {
+    pub(super) fn refined(&self, mut direction: Bearing) -> Peak {
         for _ in 0..ROUNDS {
             let mut scatter = Matrix3::zeros();
             for arc in self.arcs {
@@ -172,7 +213,8 @@ impl<'a> Scorer<'a> {
         self.peak(direction)
     }
 
-    fn answer(&self, best: Peak, runner_up: f32) -> Vertical {
+    /// The answer that a peak gives; `None` if too few arcs agree with it.
+    pub(super) fn answer(&self, best: Peak, runner_up: f32) -> Option<Vertical> {
         let (mut inliers, mut squares, mut weights) = (PerCamera::<u16>::default(), 0.0, 0.0);
         for arc in self.arcs {
             let agreement = self.agreement(arc, &best.direction);
@@ -191,7 +233,8 @@ impl<'a> Scorer<'a> {
             -best.direction
         };
         let residual_deg = if weights > 0.0 { degrees(libm::sqrtf(squares / weights)) } else { 0.0 };
-        Vertical { up, inliers, support: best.support, runner_up, residual_deg }
+        let answer = Vertical { up, inliers, support: best.support, runner_up, residual_deg };
+        (inliers.iter().sum::<u16>() >= LEAST_INLIERS).then_some(answer)
     }
 }
 

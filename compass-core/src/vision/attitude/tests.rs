@@ -71,6 +71,41 @@ proptest! {
 }
 
 #[test]
+fn other_verticals_follow_the_vertical_and_keep_their_distance() {
+    let up = Bearing::new(0.1, -0.9, 0.2).normalize();
+    let arcs = scene(up, 30.0, 0.6);
+    let axis = UpHint::Axis(Bearing::new(0.0, -1.0, 0.0));
+    let found = verticals(&arcs, axis, &Parameters::default());
+    assert_eq!(found.first().copied(), vertical(&arcs, axis, &Parameters::default()));
+    assert_eq!(found.len(), MOST_VERTICALS, "the building has two more axes");
+    for (k, one) in found.iter().enumerate() {
+        assert!(one.inliers.iter().sum::<u16>() >= LEAST_INLIERS && one.runner_up > 0.0, "{one:?}");
+        for other in &found[..k] {
+            let apart = between(&one.up, &other.up);
+            assert!((30.0..=150.0).contains(&apart), "{apart} degrees: {one:?} {other:?}");
+        }
+    }
+    let rank = |one: &Vertical| one.support * axis.prior(&one.up);
+    assert!(found.is_sorted_by(|a, b| rank(a) >= rank(b)), "{found:?}");
+    assert!(found[1..].iter().all(|other| (between(&other.up, &up) - 90.0).abs() < 1.0), "{found:?}");
+    assert!(verticals(&[], axis, &Parameters::default()).is_empty());
+}
+
+#[test]
+fn a_known_mounting_excludes_verticals_far_from_it() {
+    let mount = Bearing::new(0.0, -1.0, 0.0);
+    let arcs = scene(mount, 30.0, 0.6);
+    let found = verticals(&arcs, UpHint::Up(mount), &Parameters::default());
+    assert_eq!(found.len(), 1, "the building's other axes are level: {found:?}");
+    // What leans by 40 degrees may be the vertical as well.
+    let leaning = Bearing::new(40.0_f32.to_radians().sin(), -(40.0_f32.to_radians().cos()), 0.0);
+    let both: Vec<_> = arcs.into_iter().chain(scene(leaning, 10.0, 0.6)).collect();
+    let found = verticals(&both, UpHint::Up(mount), &Parameters::default());
+    assert_eq!(found.len(), 2, "{found:?}");
+    assert!(between(&found[0].up, &mount) < 1.0 && between(&found[1].up, &leaning) < 1.0, "{found:?}");
+}
+
+#[test]
 fn roll_and_pitch_follow_their_convention() {
     let with =
         |up: Bearing| Vertical { up, inliers: [0; 2], support: 0.0, runner_up: 0.0, residual_deg: 0.0 };

@@ -10,9 +10,10 @@ use compass_core::pose::{FloorLayer, ScoredPose};
 use compass_core::vision::shot::Shot;
 use compass_core::{Bearing, ExclusionMask, Fix, Frame, HeightPrior, Settings, UpHint};
 use compass_host::clock::Clock;
-use compass_host::locator::{Levelled, Locator, NoPlan, SeeError, Seen, see};
+use compass_host::locator::{Locator, NoPlan, SeeError, Seen};
 use compass_host::output::Decimal;
 use compass_host::site_file::{SiteFile, SiteFloor};
+use compass_host::up_by_plan::{Placed, UpCandidate, locate_by_plan};
 use compass_host::wall_check::{WallSummary, Walls};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -147,9 +148,9 @@ fn of_images<'a>(
     let mut locator = Locator::new(floors, cameras.rig, options.settings)?;
     let name = || cameras.name.clone();
     let mut segmented = locator.segment(frames).with_context(name)?;
-    let up = cameras.up.resolve(&mut segmented).with_context(name)?;
-    let levelled = segmented.level(&up).map_err(SeeError::from).with_context(name)?;
-    let located = locate(levelled, cameras.heights(), floors, options);
+    let ups = cameras.up.candidates(&mut segmented).with_context(name)?;
+    let placed = locate_by_plan(segmented, &ups, cameras.heights()).with_context(name)?;
+    let located = Located::new(placed, floors, options);
     clock.extend(locator.watch().milliseconds());
     Ok((located, locator.layers().to_vec()))
 }
@@ -169,26 +170,23 @@ fn of_shot<'a>(
     let frames = shot
         .images()
         .map(|image| image.map(|(gray, red)| Frame { gray, excluded: ExclusionMask::Mask(red) }));
-    let levelled = locator.segment_borrowed(&frames).with_context(name)?.level_near(UpHint::Up(header.up));
-    let levelled = levelled.map_err(SeeError::from).with_context(name)?;
+    let mut segmented = locator.segment_borrowed(&frames).with_context(name)?;
+    let up = segmented.vertical(UpHint::Up(header.up)).map_err(SeeError::from).with_context(name)?.up;
     let heights = header.height_m.map_or(HeightPrior::UNKNOWN, HeightPrior::camera);
-    let located = locate(levelled, heights, floors, options);
+    let placed = locate_by_plan(segmented, &[UpCandidate::only(up)], heights).with_context(name)?;
+    let located = Located::new(placed, floors, options);
     clock.extend(locator.watch().milliseconds());
     Ok((located, locator.layers().to_vec()))
 }
 
-fn locate<'a>(
-    levelled: Levelled<'_, '_, 'a>,
-    heights: HeightPrior,
-    floors: &[SiteFloor<'_>],
-    options: &Options,
-) -> Located<'a> {
-    let up = levelled.frame().up();
-    let mut seen = see(levelled);
-    let fix = seen.locate(heights);
-    let is_sure = f64::from(fix.probability()) >= options.least_probability;
-    let walls = if is_sure { walls(&fix, &mut seen, floors) } else { Walls::default() };
-    Located { up, fix, walls }
+impl<'a> Located<'a> {
+    /// With the verdicts on walls, if the pose is sure.
+    fn new(placed: Placed<'_, 'a>, floors: &[SiteFloor<'_>], options: &Options) -> Self {
+        let Placed { up, mut seen, fix } = placed;
+        let is_sure = f64::from(fix.probability()) >= options.least_probability;
+        let walls = if is_sure { walls(&fix, &mut seen, floors) } else { Walls::default() };
+        Self { up, fix, walls }
+    }
 }
 
 /// Position, heading and score to the bit, for comparison between targets.

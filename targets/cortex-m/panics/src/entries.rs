@@ -148,9 +148,6 @@ pub(crate) static ALL: &[Entry] = &entries![
     EvidenceTable::at,
     pose::plane_of,
     Rows::<HEADINGS>::set,
-    Rows::<HEADINGS>::planes,
-    Rows::<HEADINGS>::planes_of_packed,
-    Rows::<HEADINGS>::scores,
     search,
     pose::refine_coarse,
     pose::refine_final,
@@ -215,7 +212,8 @@ pub(crate) static ALL: &[Entry] = &entries![
     ladder::height_rungs,
     ladder::height_m,
     BoundaryEvidence::new,
-    BoundaryEvidence::ceilings,
+    BoundaryEvidence::known,
+    BoundaryEvidence::guess_ceiling,
     BoundaryEvidence::ranges,
     BoundaryEvidence::likeliest,
     RangeLikelihoods::ceiling_ratio,
@@ -272,11 +270,12 @@ fn correlate(correlator: &mut Correlator, values: &[[i16; BINS]], out: &mut [i32
 
 fn search(
     rows: &Rows<HEADINGS>,
+    heights: &pose::heights::HeightGrid,
     layers: &[FloorLayer<'_>],
     among: &dyn Fn(u8, usize) -> bool,
     pool: &mut [PoolEntry],
 ) -> usize {
-    pose::search(rows, layers, among, pool)
+    pose::search(rows, heights, layers, among, pool)
 }
 
 struct Bytes<'a>(&'a mut dyn FnMut(&[u8]) -> bool);
@@ -349,7 +348,9 @@ fn run_stages(
     let mut seen = levelled.see();
     black_box((seen.windows().len(), seen.boundaries().is_some()));
     let fix = seen.locate(compass_core::HeightPrior::UNKNOWN);
-    black_box(seen.range_likelihoods(compass_core::HeightPrior::both(fix.heights())).is_some());
+    let mut ranges = RangeLikelihoods::EMPTY;
+    seen.range_likelihoods(compass_core::HeightPrior::both(fix.heights()), &mut ranges);
+    black_box(&ranges);
     Ok(seen.track(track, &fix, 0.1, None).map(|estimate| estimate.spread_m))
 }
 
@@ -357,8 +358,6 @@ fn recall(
     locator: &mut Locator<'_>,
     boundaries: &BoundaryEvidence<'_>,
     windows: &compass_core::vision::windows::WindowEvidence,
-    fill: &mut dyn FnMut(&mut EvidenceTable),
-) -> usize {
+) {
     black_box(locator.recall(boundaries, windows).locate(compass_core::HeightPrior::camera(1.6)).is_sure());
-    locator.explain(|table| fill(table)).poses().len()
 }
