@@ -4,15 +4,15 @@
 //! building. `cargo bench -p compass-host`.
 
 use compass_core::base::confidence::Confidence;
-use compass_core::base::num::{Nats, Turn};
+use compass_core::base::num::Turn;
 use compass_core::base::scan::Scan;
 use compass_core::descriptor::Descriptor;
 use compass_core::descriptor::matching::{Board, Exact, Group, Index, Match, exhaustive, shortlist};
 use compass_core::descriptor::similarity::{Query, Similarity, Weights};
 use compass_core::map::site_map::SiteMap;
-use compass_core::pose::evidence::EvidenceTable;
-use compass_core::pose::{FloorLayer, PLANES, PoolEntry, Rows, ScoredPose, plane_of, refine, search};
+use compass_core::{HeightPrior, Settings};
 use compass_host::compare::interior_poses;
+use compass_host::evaluate::perfect;
 use compass_host::noise::disturb;
 use compass_host::plan_import::{self, PlanOptions, PlanRaster};
 use compass_host::reference;
@@ -193,7 +193,9 @@ fn likelihoods(c: &mut Criterion) {
             compass_core::Locator::without_rig(settings, memory).expect("a preset");
         locator.add_floor("floor", map, packed.view()).expect("one layer");
         group.bench_function(name, |b| {
-            b.iter(|| locator.recall(&evidence.boundaries(), &evidence.windows()).locate(HeightPrior::camera(1.5)));
+            b.iter(|| {
+                locator.recall(&evidence.boundaries(), &evidence.windows()).locate(HeightPrior::camera(1.5))
+            });
         });
     }
     group.finish();

@@ -61,7 +61,9 @@ mod tests {
         // Not told, the plan decides the same, with the other side as a rival.
         let untold = localize(&mut locator, frames, Mount::Auto, HeightPrior::UNKNOWN).unwrap();
         assert_eq!(untold.poses(), fix.poses());
-        assert!(fix.rival().is_none() && untold.rival().is_some_and(|rival| rival < fix.best().unwrap().score));
+        assert!(
+            fix.rival().is_none() && untold.rival().is_some_and(|rival| rival < fix.best().unwrap().score)
+        );
         assert!(untold.margin() <= fix.margin());
         let missing = localize(&mut locator, [None, None], Mount::Inverted, HeightPrior::UNKNOWN);
         assert_eq!(missing.unwrap_err().to_string(), "the frame of cam0 is missing");
