@@ -187,7 +187,8 @@ impl HeightGrid {
             let rooms =
                 if prior.ceiling.is_some() { 0..grid.ceilings.len() } else { grid.within(*camera, prior) };
             // Bounds are at most `CEILINGS`, and there are as many rooms as cameras.
-            let _ = grid.rooms.push([rooms.start, rooms.end].map(|bound| bound.min(Self::CEILINGS) as u8));
+            let _ =
+                grid.rooms.push([rooms.start, rooms.end].map(|bound| u8::try_from(bound).unwrap_or(u8::MAX)));
         }
         grid
     }

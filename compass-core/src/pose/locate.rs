@@ -18,7 +18,7 @@ use heapless::Vec;
 /// Largest number of poses that are refined.
 pub const MAX_REFINED: usize = 48;
 /// Azimuth stride of the rays that choose heights, degrees.
-const HEIGHT_STRIDE: usize = 4;
+const HEIGHT_STRIDE: u8 = 4;
 
 /// Memory lent to the search. Its former contents do not matter.
 #[derive(Debug)]
@@ -252,8 +252,8 @@ impl Evidence<'_> {
         let mut floors = [0_i32; HeightGrid::CAMERAS];
         let mut ceilings = [0_i32; HeightGrid::CEILINGS];
         let mut hits = 0;
-        let rays = layer.plan.rays(pose.at, pose.heading, HEIGHT_STRIDE).ok()?;
-        for (bin, (steps, hit)) in (0..BINS).step_by(HEIGHT_STRIDE).zip(rays) {
+        let rays = layer.plan.rays(pose.at, pose.heading, HEIGHT_STRIDE.into()).ok()?;
+        for (bin, (steps, hit)) in (0..BINS).step_by(HEIGHT_STRIDE.into()).zip(rays) {
             let types = match hit {
                 Hit::Open => continue,
                 Hit::Wall => &self.hits.wall,
@@ -273,12 +273,12 @@ impl Evidence<'_> {
         let pairs = cameras.flat_map(|camera| self.grid.rooms(camera).map(move |above| (camera, above)));
         let best = pairs.map(|(camera, above)| {
             let heights = [self.grid.cameras()[camera], self.grid.ceilings()[above]];
-            let prior = self.grid.prior(heights).to_bits() / HEIGHT_STRIDE as i32;
+            let prior = self.grid.prior(heights).to_bits() / i32::from(HEIGHT_STRIDE);
             (floors[camera] + ceilings[above], prior, heights)
         });
         let (score, _, heights) =
             best.max_by_key(|(score, prior, heights)| (*score + prior, Reverse(*heights)))?;
         // Without the prior, like the scores of refinement.
-        Some((Nats::from_bits((score + hits) * HEIGHT_STRIDE as i32), heights))
+        Some((Nats::from_bits((score + hits) * i32::from(HEIGHT_STRIDE)), heights))
     }
 }

@@ -38,7 +38,7 @@ const ROWS: usize = NOTHING + 3;
 const OPEN: u8 = RANGE_RUNGS as u8;
 
 /// Range rungs by the range code of a [packed scan](crate::map::site_map::PackedScan).
-#[expect(clippy::indexing_slicing, clippy::cast_possible_truncation, reason = "evaluated at compile time")]
+#[expect(clippy::indexing_slicing, reason = "evaluated at compile time")]
 static RUNG_OF_CODE: [u8; 256] = {
     let mut rungs = [OPEN; 256];
     let mut code = 0;
@@ -159,7 +159,7 @@ impl<const N: usize> Rows<N> {
         for (bin, values) in bins.iter_mut().zip(values.chunks_exact(Self::STRIDE)) {
             let limit = i16::from(MOST as u8 - ZERO as u8);
             let value = |value: &CellNats| {
-                (i16::from(value.to_bits()).clamp(-(ZERO as i16), limit) + ZERO as i16) as u16
+                (i16::from(value.to_bits()).clamp(-ZERO.cast_signed(), limit) + ZERO.cast_signed()) as u16
             };
             let whole: u16 = values.iter().map(value).sum();
             *bin = (whole + Self::STRIDE as u16 / 2) / Self::STRIDE as u16;
@@ -362,7 +362,7 @@ mod tests {
 
     /// A packed scan of any ranges and hit types.
     fn packed(seed: u64) -> [u8; PACKED_SCAN_BYTES] {
-        core::array::from_fn(|at| ((at * at / 3) as u64 * (seed % 251 + 1) >> 2) as u8)
+        core::array::from_fn(|at| (((at * at / 3) as u64 * (seed % 251 + 1)) >> 2) as u8)
     }
 
     /// The sum over a candidate's rays at a heading, exact, of all 360 bins, in units of [`Nats`].

@@ -82,9 +82,8 @@ pub struct CompassSettings {
 }
 
 const _: () = {
-    let ([_, refined], [_, ceilings], [_, pool]) =
-        (Field::RefinedPoses.range(), Field::Ceilings.range(), Field::Pool.range());
-    assert!(refined == 48 && ceilings == 4 && pool == 4096, "as the comments say");
+    let ([_, refined], [_, pool]) = (Field::RefinedPoses.range(), Field::Pool.range());
+    assert!(refined == 48 && pool == 4096, "as the comments say");
 };
 
 impl CompassSettings {
@@ -117,8 +116,7 @@ impl CompassSettings {
 
     /// No preset: refused.
     const NONE: Self = {
-        const EFFORT: CompassEffort =
-            CompassEffort { refined_poses: 0, refined_fully: 0, rays: 0 };
+        const EFFORT: CompassEffort = CompassEffort { refined_poses: 0, refined_fully: 0, rays: 0 };
         Self {
             preset: AnyPreset(0),
             smoothing: AnySmoothing(0),
@@ -181,11 +179,7 @@ impl CompassSettings {
 impl CompassEffort {
     const fn new(effort: &Effort) -> Self {
         let Effort { refined_poses, refined_fully, rays } = *effort;
-        Self {
-            refined_poses: refined_poses as u8,
-            refined_fully: refined_fully as u8,
-            rays: rays as u8,
-        }
+        Self { refined_poses: refined_poses as u8, refined_fully: refined_fully as u8, rays: rays as u8 }
     }
 
     fn check(&self) -> Result<Effort, Failure> {

@@ -15,10 +15,15 @@ pub(super) const WIDTH: usize = 40;
 pub(super) const REACH: usize = 3;
 /// Bins that an oriented mean takes in.
 pub(super) const TAPS: usize = 2 * REACH + 1;
+/// [`TAPS`] as a count of known differences.
+#[expect(clippy::cast_possible_truncation, reason = "7")]
+pub(super) const ALL_TAPS: u8 = TAPS as u8;
 /// Bins of a block with those on either side.
 const PADDED: usize = WIDTH + 2 * REACH;
 /// Differences are taken over this many rows on either side.
 pub(super) const SPANS: [usize; 2] = [1, 4];
+/// From the difference of the sums over a span to that of its means in quarters of gray levels.
+const SCALES: [i16; 2] = [4, 1];
 
 /// Slopes of a boundary, in rows over the bins from 3 to the right to 3 to the left: 0, +-0.6 and +-1.2 rungs per
 /// degree.
@@ -76,8 +81,7 @@ impl Block {
     #[expect(clippy::indexing_slicing, reason = "rows and bins are below the lengths of the arrays")]
     fn differentiate(&mut self, span: usize) {
         let reach = SPANS[span];
-        // Quarters of gray levels: the mean over `reach` rows, times 4.
-        let scale = 4 / reach as i16;
+        let scale = SCALES[span];
         self.whole[span] = [0; ROWS + 1];
         for row in (0..reach).chain(ROWS - reach..ROWS) {
             self.difference[span][row] = [0; PADDED];
@@ -135,13 +139,13 @@ impl Block {
         });
         let mut sums = Sums { sum: [0; WIDTH], squares: [0; WIDTH], count: None };
         for b in 0..WIDTH {
-            let (mut sum, mut squares) = (0, 0);
+            let (mut sum, mut squares) = (0_i16, 0_i32);
             for (offset, (difference, _)) in rows.iter().enumerate() {
-                let d = i32::from(difference[b + offset]);
+                let d = difference[b + offset];
                 sum += d;
-                squares += d * d;
+                squares += i32::from(d) * i32::from(d);
             }
-            (sums.sum[b], sums.squares[b]) = (sum as i16, squares);
+            (sums.sum[b], sums.squares[b]) = (sum, squares);
         }
         if !whole {
             let known =

@@ -91,7 +91,7 @@ impl Logarithms {
     #[expect(clippy::indexing_slicing, reason = "clamped to the table")]
     pub(super) fn exp(&self, value: i32) -> f32 {
         let index = (value >> 11) - LEAST * PER_NAT;
-        self.exponentials[index_of(index.clamp(0, EXPONENTIALS as i32 - 1))]
+        self.exponentials[index_of(index.max(0)).min(EXPONENTIALS - 1)]
     }
 }
 

@@ -1,13 +1,13 @@
 //! From oriented edges to log-likelihood ratios: a conditional logit over the rows and slopes of each bin.
 
-use super::block::{Block, REACH, SLOPES, SPANS, Sums, TAPS, WIDTH};
+use super::block::{ALL_TAPS, Block, REACH, SLOPES, SPANS, Sums, TAPS, WIDTH};
 use super::cells::{ROWS, RUNGS, row_of};
 use super::logarithms::{Logarithms, to_logit};
 use super::polar::OWNER_BYTES;
 use super::tuning::{
     FEWEST_RUNGS, FEWEST_TAPS, LEAST_SCALE, NOISE_VARIANCE, OUTLIERS, PERCENT, REGION_ROWS, Weights,
 };
-use crate::base::num::{BINS, CellNats};
+use crate::base::num::{BINS, CellNats, count_as_i32};
 use bytemuck::{Pod, Zeroable};
 
 /// Quarters of gray levels that a histogram of edges tells apart.
@@ -71,7 +71,7 @@ impl Work {
             for (span, histogram) in self.histograms.iter_mut().enumerate() {
                 for rung in 0..RUNGS {
                     let Sums { sum, count, .. } = self.block.sums(span, row_of(rung), &SLOPES[0]);
-                    let count = count.unwrap_or([TAPS as u8; WIDTH]);
+                    let count = count.unwrap_or([ALL_TAPS; WIDTH]);
                     for (sum, count) in sum.iter().zip(count) {
                         let level = u32::from(sum.unsigned_abs()) / u32::from(count.max(1));
                         let counts = count >= FEWEST_TAPS && *sum != 0;
@@ -127,7 +127,7 @@ impl Work {
                         let farther = self.region[row + 1][b] - self.region[far][b];
                         // Sums of three bins and eight rows, 1/256 nat, times 1/256.
                         *prior += (weights.region[0] * nearer + weights.region[1] * farther)
-                            / (3 * REGION_ROWS as i32);
+                            / (3 * count_as_i32(REGION_ROWS));
                     }
                 }
                 priors
@@ -215,7 +215,8 @@ impl Work {
                 // Twice the ratio, so that its logarithm is not negative: ln 2 is 177/256.
                 let nats = self.logarithms.ln(2.0 * ((1.0 - OUTLIERS) * ratio + OUTLIERS)) - 177;
                 // 1/256 nat to 1/16 nat, rounded.
-                *out = CellNats::from_bits(((nats + 8) >> 4) as i8);
+                let bits = ((nats + 8) >> 4).clamp(i8::MIN.into(), i8::MAX.into());
+                *out = CellNats::from_bits(i8::try_from(bits).unwrap_or_default());
             }
         }
     }

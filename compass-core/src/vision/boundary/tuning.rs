@@ -23,6 +23,7 @@ pub(super) struct Weights {
 }
 
 /// 1/256, rounded.
+#[expect(clippy::cast_possible_truncation, reason = "weights are below 2^8")]
 const fn weight(value: f32) -> i32 {
     (value * 256.0 + if value < 0.0 { -0.5 } else { 0.5 }) as i32
 }

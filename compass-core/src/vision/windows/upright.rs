@@ -12,8 +12,8 @@ use micromath::F32Ext;
 /// Elevation of the upper border of the first band and the height of a band, degrees.
 const TOP_DEG: i32 = 15;
 const BAND_DEG: i32 = 5;
-const BANDS: usize = 8;
-const _: () = assert!(TOP_DEG - BAND_DEG * BANDS as i32 >= BOTTOM_DEG, "bands lie in the panorama");
+const BANDS: i32 = 8;
+const _: () = assert!(TOP_DEG - BAND_DEG * BANDS >= BOTTOM_DEG, "bands lie in the panorama");
 /// Variance of a mean that noise alone has, squared gray levels.
 const NOISE_VARIANCE: f32 = 1.0;
 /// Angle on either side of a direction within which its edge may lie, halves of a degree.
@@ -40,6 +40,7 @@ pub(super) fn classes(gray: &[u8], resolution: Resolution) -> [u8; BINS] {
     classify(&Circle::from_fn(strongest))
 }
 
+#[expect(clippy::cast_possible_truncation, reason = "classes are at most 6")]
 fn classify(strengths: &Circle<f32>) -> [u8; BINS] {
     let mut sorted = *strengths.bins();
     order::sort_by_key(&mut sorted, |strength| strength.to_bits());
@@ -61,7 +62,7 @@ fn strength(gray: &[u8], border: usize, resolution: Resolution) -> f32 {
         gray.get(from..from + rows).unwrap_or_default()
     };
     let mut sum = 0.0;
-    for band in 0..BANDS as i32 {
+    for band in 0..BANDS {
         let from = resolution.row_of(TOP_DEG - BAND_DEG * band);
         let to = resolution.row_of(TOP_DEG - BAND_DEG * (band + 1));
         let mut differences = [0_i16; BAND_DEG as usize * Resolution::FINE.per_degree()];
