@@ -126,6 +126,40 @@ pub struct Query<'a> {
 /// Per candidate and height N / 2 additions for each of N / 6 to N / 2 rough rays. Per candidate that is not rejected, and
 /// height, 2 N additions for each run of equal rays: at most N runs; about 107 at N = 360 and 61 at N = 90 on an office floor.
 /// The suppression is quadratic in the size of the pool.
+///
+/// ```
+/// # use compass_core::Site;
+/// # let bytes = std::fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/vectors/sample.site"))?;
+/// # let site = Site::new(&bytes)?;
+/// # let floor = site.floor(0).unwrap();
+/// use compass_core::base::num::{BINS, CellNats, Turn};
+/// use compass_core::pose::heights::{HeightGrid, HeightPrior};
+/// use compass_core::pose::{FloorLayer, HitEvidence, PoolEntry, Rows, search};
+/// use compass_core::vision::boundary::{BoundaryEvidence, CELLS};
+///
+/// # let map = *floor.map();
+/// # let layer = FloorLayer { map, number: 0, plan: floor.plan(0).unwrap(), floor: 0, name: floor.name() };
+/// // The floor's boundary as a camera 1.5 m above it sees it from candidate 7, at heading 0.
+/// let mut scan = compass_core::Scan::OPEN;
+/// map.get(7).unwrap().scan(&mut scan);
+/// let mut cells = vec![CellNats::ZERO; CELLS];
+/// for (bin, steps) in scan.steps.iter().enumerate().filter(|(_, steps)| **steps < 1500) {
+///     let rung = 9.0 + (f32::from(*steps) * 0.02 / 0.4).ln() / 0.0608;
+///     cells[rung.round() as usize * BINS + bin] = CellNats::ONE;
+/// }
+/// let evidence = BoundaryEvidence::new(&cells).unwrap();
+/// let hits = HitEvidence { wall: [CellNats::ZERO; BINS], window: [CellNats::ZERO; BINS] };
+/// let mut rows = Box::new(Rows::<90>::BLANK);
+/// rows.set(&evidence, &hits, 0.5);
+///
+/// let mut pool = [PoolEntry::EMPTY; 64];
+/// let heights = HeightGrid::coarse(&HeightPrior::camera(1.5));
+/// let count = search(&rows, &heights, &[layer], |_, _| true, &mut pool);
+/// assert!(count > 1);
+/// let best = pool[0].pose(&[layer]).unwrap();
+/// assert_eq!((Some(best.at), best.heading), (map.position(7), Turn::ZERO));
+/// # Ok::<(), Box<dyn core::error::Error>>(())
+/// ```
 #[inline]
 #[expect(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "at most 360 headings")]
 pub fn search<const N: usize>(

@@ -3,7 +3,7 @@
 use super::cells::{NOMINAL_RUNG, RUNGS, rung_of};
 use super::evidence::BoundaryEvidence;
 use super::tuning::{AGREEING, CEILING_SHIFT, CEILINGS, ROOMS_M, VOTE_STRIDE};
-use crate::base::ladder::{NEAREST_M, RUNG, height_rungs};
+use crate::base::ladder::{NEAREST_M, RUNG, height_m, height_rungs};
 use crate::base::num::{BINS, CellNats, Nats, ToFloat as _, count_as_i32, round_to_i8};
 use bytemuck::{Pod, Zeroable};
 
@@ -14,9 +14,9 @@ pub struct RangeLikelihoods {
     /// Log-likelihood ratio against "nothing known", by rung of the floor and bin.
     values: [[CellNats; BINS]; RUNGS],
     /// 1 for [known](super::BoundaryEvidence::known) bins, else 0.
-    pub(super) known: [u8; BINS],
+    known: [u8; BINS],
     /// Height of the ceiling above the camera against the camera height, rungs.
-    pub(super) ceiling: i8,
+    ceiling: i8,
 }
 
 /// The most likely range of a direction.
@@ -112,8 +112,64 @@ impl RangeLikelihoods {
     }
 }
 
+impl BoundaryEvidence<'_> {
+    /// Computes the log-likelihood ratios of ranges for a height of the ceiling: its shift in rungs above the camera against
+    /// the camera height, clamped to -20 to 28 rungs.
+    ///
+    /// # Formats
+    /// Sums of the floor's ratio and half of the ceiling's, in [`CellNats`].
+    ///
+    /// # Accuracy
+    /// [`EVIDENCE_ERROR`](super::EVIDENCE_ERROR), which `compass compare` checks against `f64`.
+    ///
+    /// # Cost
+    /// A pass over the cells.
+    ///
+    /// ```
+    /// use compass_core::base::num::CellNats;
+    /// use compass_core::vision::boundary::{BoundaryEvidence, CELLS, RUNGS, RangeLikelihoods};
+    ///
+    /// // Floor at rung 30, ceiling at rung 25, in all directions.
+    /// let mut cells = vec![-CellNats::ONE / 2; CELLS];
+    /// cells[30 * 360..31 * 360].fill(CellNats::ONE * 3);
+    /// cells[(RUNGS + 25) * 360..(RUNGS + 26) * 360].fill(CellNats::ONE * 2);
+    /// let evidence = BoundaryEvidence::new(&cells).unwrap();
+    /// let mut ranges = RangeLikelihoods::EMPTY;
+    /// evidence.ranges(5, &mut ranges);
+    /// // Rung 30 is rung 21 of the range ladder for the nominal camera height: 1.43 m.
+    /// let found = ranges.range(0, 0).unwrap();
+    /// assert!((found.metres - 1.43).abs() < 0.02, "{found:?}");
+    /// ```
+    pub fn ranges(&self, ceiling: i8, ranges: &mut RangeLikelihoods) {
+        ranges.known = self.known().map(u8::from);
+        ranges.ceiling = ceiling.clamp(CEILINGS[0], CEILINGS[1]);
+        fill(ranges, self);
+    }
+
+    /// A guess of the ceiling without a plan: the height at which both boundaries agree best on the ranges. `height`, a known
+    /// camera height in [rungs](crate::base::ladder::height_rungs), restricts it to ceilings 2.0 to 4.5 m above the floor.
+    ///
+    /// # Formats
+    /// The shift in rungs of the ceiling's height above the camera against the camera height; 0 if nothing was seen.
+    ///
+    /// # Cost
+    /// A pass over a third of the cells for each of at most 49 heights.
+    #[must_use]
+    pub fn guess_ceiling(&self, height: Option<i8>) -> i8 {
+        let [least, most] = height.map_or(CEILINGS, |rungs| ceiling_bounds(height_m(rungs)));
+        let likeliest = |ceiling: &i8| (agreement(self, *ceiling), -i16::from(*ceiling).abs());
+        let best = (least..=most).max_by_key(likeliest).unwrap_or(0);
+        if agreement(self, best) > Nats::ZERO { best } else { 0 }
+    }
+
+    /// Computes the log-likelihood ratios of ranges for a [guess](Self::guess_ceiling) of the ceiling.
+    pub fn likeliest(&self, height: Option<i8>, ranges: &mut RangeLikelihoods) {
+        self.ranges(self.guess_ceiling(height), ranges);
+    }
+}
+
 /// Smallest and largest shift of the ceiling for a known camera height.
-pub(super) fn ceiling_bounds(height_m: f32) -> [i8; 2] {
+fn ceiling_bounds(height_m: f32) -> [i8; 2] {
     ROOMS_M.map(|room| {
         let ratio = ((room - height_m) / height_m).max(0.1);
         round_to_i8(libm::logf(ratio) / RUNG).clamp(CEILINGS[0], CEILINGS[1])
@@ -121,7 +177,7 @@ pub(super) fn ceiling_bounds(height_m: f32) -> [i8; 2] {
 }
 
 /// How well both boundaries agree for a ceiling: the sum over every third bin of its largest evidence of one range.
-pub(super) fn agreement(evidence: &BoundaryEvidence<'_>, ceiling: i8) -> Nats {
+fn agreement(evidence: &BoundaryEvidence<'_>, ceiling: i8) -> Nats {
     let mut best = [i16::MIN; BINS / VOTE_STRIDE];
     for rung in 0..RUNGS {
         let [floor, above] = rows(evidence, rung, ceiling);
@@ -140,7 +196,7 @@ fn rows<'a>(evidence: &BoundaryEvidence<'a>, rung: usize, ceiling: i8) -> [&'a [
 }
 
 /// Computes the log-likelihood ratios of all rungs, given the height of the ceiling.
-pub(super) fn fill(ranges: &mut RangeLikelihoods, evidence: &BoundaryEvidence<'_>) {
+fn fill(ranges: &mut RangeLikelihoods, evidence: &BoundaryEvidence<'_>) {
     for (rung, row) in ranges.values.iter_mut().enumerate() {
         let [floor, above] = rows(evidence, rung, ranges.ceiling);
         for ((value, floor), above) in row.iter_mut().zip(floor).zip(above) {
