@@ -3,7 +3,7 @@
 //! Heights are quantized like ranges, in rungs of 6.3 %: an estimate is within half a rung, 3 %, of the optimum.
 
 use crate::base::ladder::{HEIGHTS_M, NOMINAL_HEIGHT_M, RUNG, height_m, height_rungs};
-use crate::base::num::{CellNats, Nats, round_to_i8};
+use crate::base::num::{CellNats, Nats, index_of, round_to_i8};
 use crate::base::order;
 use core::ops::Range;
 use heapless::Vec;
@@ -167,7 +167,9 @@ impl HeightGrid {
             known.map_or((least..=most, step), |known| (known - 1..=known + 1, 1));
         let mut grid =
             Self { cameras: Vec::new(), ceilings: Vec::new(), rooms: Vec::new(), priors: Vec::new() };
-        grid.cameras.extend(cameras.step_by(step_of_cameras).take(Self::CAMERAS));
+        for camera in cameras.step_by(step_of_cameras) {
+            let _ = grid.cameras.push(camera);
+        }
         let lowest = grid.cameras.first().map_or(NOMINAL_HEIGHT_M, |camera| height_m(*camera));
         let above = match (known, prior.ceiling) {
             (Some(camera), Some(ratio)) => {
@@ -176,8 +178,16 @@ impl HeightGrid {
             }
             _ => rungs(LEAST_ABOVE_M)..=rungs((prior.ceiling_m[1] - lowest).max(LEAST_ABOVE_M)),
         };
-        let step = if prior.ceiling.is_some() { 1 } else { step.max(above.len().div_ceil(Self::CEILINGS)) };
-        grid.ceilings.extend(above.step_by(step).take(Self::CEILINGS));
+        let step = if prior.ceiling.is_some() {
+            1
+        } else {
+            step.max(
+                index_of(i32::from(*above.end()) - i32::from(*above.start()) + 1).div_ceil(Self::CEILINGS),
+            )
+        };
+        for above in above.step_by(step) {
+            let _ = grid.ceilings.push(above);
+        }
         for camera in &grid.cameras {
             let prior =
                 if known.is_some() { CellNats::ZERO } else { log_prior(height_m(*camera), USUAL_CAMERA) };

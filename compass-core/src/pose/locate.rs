@@ -247,7 +247,6 @@ impl Evidence<'_> {
     }
 
     /// The heights that explain a pose best, and the score there, of every fourth ray and scaled to 360.
-    #[expect(clippy::indexing_slicing, reason = "heights are those of the grid, which is as long")]
     fn best_heights(&self, layer: &FloorLayer<'_>, pose: &ScoredPose) -> Option<(Nats, [i8; 2])> {
         let mut floors = [0_i32; HeightGrid::CAMERAS];
         let mut ceilings = [0_i32; HeightGrid::CEILINGS];
@@ -269,13 +268,16 @@ impl Evidence<'_> {
                 *sum += bits(self.boundaries.rung(1, rung_of(rung, (*height).into()))) >> CEILING_SHIFT;
             }
         }
-        let cameras = 0..self.grid.cameras().len();
-        let pairs = cameras.flat_map(|camera| self.grid.rooms(camera).map(move |above| (camera, above)));
-        let best = pairs.map(|(camera, above)| {
-            let heights = [self.grid.cameras()[camera], self.grid.ceilings()[above]];
-            let prior = self.grid.prior(heights).to_bits() / i32::from(HEIGHT_STRIDE);
-            (floors[camera] + ceilings[above], prior, heights)
-        });
+        let best =
+            floors.iter().zip(self.grid.cameras()).enumerate().flat_map(|(number, (floor, camera))| {
+                let rooms = self.grid.rooms(number);
+                let ceilings = ceilings.iter().zip(self.grid.ceilings()).take(rooms.end).skip(rooms.start);
+                ceilings.map(|(ceiling, above)| {
+                    let heights = [*camera, *above];
+                    let prior = self.grid.prior(heights).to_bits() / i32::from(HEIGHT_STRIDE);
+                    (*floor + *ceiling, prior, heights)
+                })
+            });
         let (score, _, heights) =
             best.max_by_key(|(score, prior, heights)| (*score + prior, Reverse(*heights)))?;
         // Without the prior, like the scores of refinement.

@@ -35,19 +35,27 @@ pub(super) const SLOPES: [[isize; TAPS]; 5] = [
     [7, 5, 2, 0, -2, -5, -7],
 ];
 
-/// The differences of a block's gray levels along the range axis.
+/// The gray levels of a block of bins, and their differences along the range axis.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub(super) struct Block {
     /// Gray levels, 0 where unknown, by row and padded bin.
     gray: [[u8; PADDED]; ROWS],
     owner: [[u8; PADDED]; ROWS],
-    /// Differences over each of [`SPANS`], quarters of gray levels, 0 where unknown.
-    difference: [[[i16; PADDED]; ROWS]; 2],
+    /// Over each of [`SPANS`].
+    pub(super) differences: [Differences; 2],
+}
+
+/// Differences of gray levels over a span of rows on either side.
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct Differences {
+    /// Quarters of gray levels, 0 where unknown.
+    difference: [[i16; PADDED]; ROWS],
     /// 1 where the difference is known, else 0.
-    known: [[[u8; PADDED]; ROWS]; 2],
+    known: [[u8; PADDED]; ROWS],
     /// Whether all differences of a row are known.
-    whole: [[u8; ROWS + 1]; 2],
+    whole: [u8; ROWS + 1],
 }
 
 /// Sums over the known of seven differences.
@@ -71,71 +79,67 @@ impl Block {
                 *owner = bits.get(bin / 8).copied().unwrap_or(0) >> (bin % 8) & 1;
             }
         }
-        for span in 0..SPANS.len() {
-            self.differentiate(span);
+        for ((span, scale), differences) in SPANS.into_iter().zip(SCALES).zip(&mut self.differences) {
+            differences.fill(&self.gray, &self.owner, span, scale);
         }
     }
 
+    /// The gray level of each padded bin at a row, 0 where unknown.
+    pub(super) fn gray(&self, row: usize) -> &[u8; PADDED] {
+        self.gray.get(row).unwrap_or(&[0; PADDED])
+    }
+}
+
+impl Differences {
     /// Differences over a span by sums that move from row to row.
     #[inline(always)]
-    #[expect(clippy::indexing_slicing, reason = "rows and bins are below the lengths of the arrays")]
-    fn differentiate(&mut self, span: usize) {
-        let reach = SPANS[span];
-        let scale = SCALES[span];
-        self.whole[span] = [0; ROWS + 1];
-        for row in (0..reach).chain(ROWS - reach..ROWS) {
-            self.difference[span][row] = [0; PADDED];
-            self.known[span][row] = [0; PADDED];
-        }
+    #[expect(clippy::indexing_slicing, reason = "bins are below the length of the arrays")]
+    fn fill(&mut self, gray: &[[u8; PADDED]; ROWS], owner: &[[u8; PADDED]; ROWS], span: usize, scale: i16) {
+        *self = Self::zeroed();
         // Sums of the rows before and behind, and the number of unknown cells in all of them.
         let (mut near, mut far, mut unknown) = ([0_i16; PADDED], [0_i16; PADDED], [0_u8; PADDED]);
-        for k in 0..=2 * reach {
-            let gray = &self.gray[k];
+        for (k, gray) in gray.iter().take(2 * span + 1).enumerate() {
             for b in 0..PADDED {
                 let level = i16::from(gray[b]);
-                near[b] += if k < reach { level } else { 0 };
-                far[b] += if k > reach { level } else { 0 };
+                near[b] += if k < span { level } else { 0 };
+                far[b] += if k > span { level } else { 0 };
                 unknown[b] += u8::from(level == 0);
             }
         }
-        for row in reach..ROWS - reach {
-            let (first, last) = (&self.owner[row - reach], &self.owner[row + reach]);
-            let mut whole = 1;
+        let rows = self.difference.iter_mut().zip(&mut self.known).zip(&mut self.whole).skip(span);
+        let owners = owner.iter().zip(owner.iter().skip(2 * span));
+        // The first row of the sums, the one between them, the one behind that, and the one that enters.
+        let leaving = gray.iter().zip(gray.iter().skip(span));
+        let entering = gray.iter().skip(span + 1).zip(gray.iter().skip(2 * span + 1).chain([&[0; PADDED]]));
+        for ((((difference, known), whole), (first, last)), ((left, here), (ahead, entered))) in
+            rows.zip(owners).zip(leaving.zip(entering))
+        {
+            *whole = 1;
             for b in 0..PADDED {
                 let is_known = unknown[b] == 0 && first[b] == last[b];
-                self.known[span][row][b] = u8::from(is_known);
-                self.difference[span][row][b] = if is_known { (far[b] - near[b]) * scale } else { 0 };
-                whole &= u8::from(is_known);
-            }
-            self.whole[span][row] = whole;
-            if row + reach + 1 < ROWS {
-                let [left, here, ahead, entered] =
-                    [row - reach, row, row + 1, row + reach + 1].map(|row| &self.gray[row]);
-                for b in 0..PADDED {
-                    near[b] += i16::from(here[b]) - i16::from(left[b]);
-                    far[b] += i16::from(entered[b]) - i16::from(ahead[b]);
-                    unknown[b] = unknown[b] + u8::from(entered[b] == 0) - u8::from(left[b] == 0);
-                }
+                known[b] = u8::from(is_known);
+                difference[b] = if is_known { (far[b] - near[b]) * scale } else { 0 };
+                *whole &= known[b];
+                near[b] += i16::from(here[b]) - i16::from(left[b]);
+                far[b] += i16::from(entered[b]) - i16::from(ahead[b]);
+                unknown[b] = unknown[b] + u8::from(entered[b] == 0) - u8::from(left[b] == 0);
             }
         }
-    }
-
-    /// Whether the gray level of each bin is known at a row.
-    #[expect(clippy::indexing_slicing, reason = "rows are below `ROWS`")]
-    pub(super) fn gray(&self, row: usize) -> &[u8; PADDED] {
-        &self.gray[row]
     }
 
     /// Sums along a slope through a row.
     #[inline(always)]
-    #[expect(clippy::indexing_slicing, reason = "rows and bins are below the lengths of the arrays")]
-    pub(super) fn sums(&self, span: usize, row: usize, slope: &[isize; TAPS]) -> Sums {
+    #[expect(
+        clippy::indexing_slicing,
+        reason = "a bin with its offset is below the length of the padded arrays"
+    )]
+    pub(super) fn sums(&self, row: usize, slope: &[isize; TAPS]) -> Sums {
         const NONE: (&[i16; PADDED], &[u8; PADDED]) = (&[0; PADDED], &[0; PADDED]);
         let mut whole = true;
         let rows = slope.map(|offset| {
-            let at = row.checked_add_signed(offset).filter(|row| *row < ROWS);
-            whole &= at.is_some_and(|at| self.whole[span][at] != 0);
-            at.map_or(NONE, |at| (&self.difference[span][at], &self.known[span][at]))
+            let at = row.wrapping_add_signed(offset);
+            whole &= self.whole.get(at).is_some_and(|whole| *whole != 0);
+            self.difference.get(at).zip(self.known.get(at)).unwrap_or(NONE)
         });
         let mut sums = Sums { sum: [0; WIDTH], squares: [0; WIDTH], count: None };
         for b in 0..WIDTH {

@@ -1,6 +1,6 @@
 //! From oriented edges to log-likelihood ratios: a conditional logit over the rows and slopes of each bin.
 
-use super::block::{ALL_TAPS, Block, REACH, SLOPES, SPANS, Sums, TAPS, WIDTH};
+use super::block::{ALL_TAPS, Block, REACH, SLOPES, Sums, TAPS, WIDTH};
 use super::cells::{ROWS, RUNGS, row_of};
 use super::logarithms::{Logarithms, to_logit};
 use super::polar::OWNER_BYTES;
@@ -68,9 +68,9 @@ impl Work {
         self.histograms = [[0; LEVELS]; 2];
         for first in (0..BINS).step_by(3 * WIDTH) {
             self.block.take(surface.gray, surface.owner, first);
-            for (span, histogram) in self.histograms.iter_mut().enumerate() {
+            for (differences, histogram) in self.block.differences.iter().zip(&mut self.histograms) {
                 for rung in 0..RUNGS {
-                    let Sums { sum, count, .. } = self.block.sums(span, row_of(rung), &SLOPES[0]);
+                    let Sums { sum, count, .. } = differences.sums(row_of(rung), &SLOPES[0]);
                     let count = count.unwrap_or([ALL_TAPS; WIDTH]);
                     for (sum, count) in sum.iter().zip(count) {
                         let level = u32::from(sum.unsigned_abs()) / u32::from(count.max(1));
@@ -112,26 +112,25 @@ impl Work {
     #[inline(always)]
     fn add_mass(&mut self, scales: [f32; 2], variants: &[Weights]) {
         let tables = &self.logarithms;
-        for rung in 0..RUNGS {
+        let [first, second] = &mut self.mass;
+        for (rung, (first, second)) in first.iter_mut().zip(second).enumerate() {
             let row = row_of(rung);
             let u = 2.0 * row as f32 / (ROWS as f32 - 1.0) - 1.0;
-            let priors = [0, 1].map(|variant: usize| {
-                let weights = &variants[variant.min(variants.len() - 1)];
-                let place = to_logit(weights.linear * u + weights.square * u * u);
-                let near = row.saturating_sub(REGION_ROWS);
-                let far = (row + 1 + REGION_ROWS).min(ROWS);
-                let mut priors = [place; WIDTH];
+            let [here, near, behind, far] =
+                [row, row.saturating_sub(REGION_ROWS), row + 1, (row + 1 + REGION_ROWS).min(ROWS)]
+                    .map(|row| self.region.get(row).unwrap_or(&[0; WIDTH]));
+            let mut priors = [[0; WIDTH]; 2];
+            for (weights, priors) in variants.iter().zip(&mut priors) {
+                *priors = [to_logit(weights.linear * u + weights.square * u * u); WIDTH];
                 if weights.region != [0; 2] {
                     for (b, prior) in priors.iter_mut().enumerate() {
-                        let nearer = self.region[row][b] - self.region[near][b];
-                        let farther = self.region[row + 1][b] - self.region[far][b];
                         // Sums of three bins and eight rows, 1/256 nat, times 1/256.
+                        let [nearer, farther] = [here[b] - near[b], behind[b] - far[b]];
                         *prior += (weights.region[0] * nearer + weights.region[1] * farther)
                             / (3 * count_as_i32(REGION_ROWS));
                     }
                 }
-                priors
-            });
+            }
             let mut mass = [[0.0_f32; WIDTH]; 2];
             for slope in &SLOPES {
                 let features = features(&self.block, row, slope, scales);
@@ -139,16 +138,16 @@ impl Work {
                     let [g1, t1, g4, t4] = features.each_ref().map(|feature| feature[b]);
                     let logs =
                         [tables.at(g1), tables.significance(t1), tables.at(g4), tables.significance(t4)];
-                    for (variant, weights) in variants.iter().enumerate() {
+                    for ((weights, priors), mass) in variants.iter().zip(&priors).zip(&mut mass) {
                         let sum: i32 = weights.edges.iter().zip(logs).map(|(weight, log)| weight * log).sum();
-                        mass[variant][b] += tables.exp(sum + priors[variant][b]);
+                        mass[b] += tables.exp(sum + priors[b]);
                     }
                 }
             }
             let gray = self.block.gray(row);
-            for (out, mass) in self.mass.iter_mut().zip(mass) {
+            for (out, mass) in [first, second].into_iter().zip(mass) {
                 for b in 0..WIDTH {
-                    out[rung][b] = if gray[b + REACH] > 0 { mass[b] } else { 0.0 };
+                    out[b] = if gray[b + REACH] > 0 { mass[b] } else { 0.0 };
                 }
             }
         }
@@ -161,9 +160,9 @@ impl Work {
     )]
     #[inline(always)]
     fn normalize(&mut self, variants: usize) {
-        let shares = [0, 1].map(|variant: usize| {
+        let shares = self.mass.each_ref().map(|mass| {
             let mut whole = [f32::MIN_POSITIVE; WIDTH];
-            for row in &self.mass[variant] {
+            for row in mass {
                 for b in 0..WIDTH {
                     whole[b] += row[b];
                 }
@@ -196,10 +195,9 @@ impl Work {
             let mut spread = [0.0_f32; WIDTH];
             let mut unseen = [1.0_f32; WIDTH];
             for (share, distance) in kernel.iter().zip(least..) {
-                let Some(rung) = rung.checked_add_signed(distance).filter(|rung| *rung < RUNGS) else {
-                    continue;
-                };
-                let (mass, gray) = (&self.mass[0][rung], self.block.gray(row_of(rung)));
+                let rung = rung.wrapping_add_signed(distance);
+                let Some(mass) = self.mass[0].get(rung) else { continue };
+                let gray = self.block.gray(row_of(rung));
                 for b in 0..WIDTH {
                     spread[b] += share * mass[b];
                     unseen[b] -= if gray[b + REACH] > 0 { *share } else { 0.0 };
@@ -227,17 +225,19 @@ impl Work {
 #[expect(clippy::indexing_slicing, reason = "bins and features are below the lengths of the arrays")]
 fn features(block: &Block, row: usize, slope: &[isize; TAPS], scales: [f32; 2]) -> Features {
     let mut features = [[0; WIDTH]; 4];
-    for span in 0..SPANS.len() {
-        let Sums { sum, squares, count } = block.sums(span, row, slope);
+    let pairs = features.as_chunks_mut::<2>().0.iter_mut();
+    for ((differences, scale), [strengths, significances]) in block.differences.iter().zip(scales).zip(pairs)
+    {
+        let Sums { sum, squares, count } = differences.sums(row, slope);
         // Of quarters of gray levels.
-        let strength = 2.0 / (4.0 * scales[span]);
+        let strength = 2.0 / (4.0 * scale);
         let mut set = |b: usize, sum: f32, n: f32, inverse: f32| {
             let sum = sum.abs();
             // The sum over the deviation of a sum: n times the mean over n times the deviation of the mean. The squares of
             // whole numbers are exact, so that the difference is not negative.
             let variance = (n * squares[b] as f32 - sum * sum) * inverse + 16.0 * NOISE_VARIANCE * n * n;
-            features[2 * span][b] = Logarithms::index(1.0 + strength * inverse * sum);
-            features[2 * span + 1][b] = Logarithms::square_index(sum * sum / variance);
+            strengths[b] = Logarithms::index(1.0 + strength * inverse * sum);
+            significances[b] = Logarithms::square_index(sum * sum / variance);
         };
         match count {
             None => (0..WIDTH).for_each(|b| set(b, f32::from(sum[b]), TAPS as f32, 1.0 / TAPS as f32)),

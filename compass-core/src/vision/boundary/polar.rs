@@ -71,7 +71,6 @@ fn elevation(row: usize) -> (f32, f32) {
 
 /// The gray levels of the rows, at an azimuth `across` sixteenths of the way between two columns of nodes; 0
 /// where unknown, excluded, or nearer to the axis of the other camera.
-#[expect(clippy::indexing_slicing, reason = "coordinates 0, 1 and 2 of arrays of three")]
 #[inline(always)]
 fn sample(
     samples: &mut [u8; ROWS],
@@ -95,11 +94,13 @@ fn sample(
             for (sample, position) in
                 ends.iter_mut().zip((0..).step_by(index_of(PATCH / count_as_i32(GRID_ROWS))))
             {
-                let at = |k: usize, at: i32| (a[k] * (PATCH - at) + b[k] * at) / (ACROSS * PATCH);
-                if at(2, position) > 0 {
+                let between = |[a, b]: [i32; 2], at: i32| (a * (PATCH - at) + b * at) / (ACROSS * PATCH);
+                let [x, y, lead] = [[a[0], b[0]], [a[1], b[1]], [a[2], b[2]]];
+                if between(lead, position) > 0 {
                     *sample = mean(taps, |tap| {
-                        let position = position + (2 * tap + 1 - taps) * BOX / (2 * taps);
-                        sample_bilinear(image, excluded, at(0, position), at(1, position))
+                        let offset = ((2 * tap + 1 - taps) * BOX).checked_div(2 * taps).unwrap_or(0);
+                        let position = position + offset;
+                        sample_bilinear(image, excluded, between(x, position), between(y, position))
                     });
                 }
             }
