@@ -293,7 +293,7 @@ static void priors(Compass *compass) {
     other.up_kind = COMPASS_UP_KIND_UNKNOWN;
     EXPECT(OK, compass_see(compass, &first, &second, &other));
     EXPECT(OK, compass_locate(compass, &prior, &fix));
-    IS(compass_metres(fix.poses[0].x) > 4.2 && compass_metres(fix.poses[0].x) < 4.5, true);
+    IS(compass_metres(fix.poses[0].x) > 4.0 && compass_metres(fix.poses[0].x) < 4.3, true);
     other.up_kind = COMPASS_UP_KIND_EXACT, other.up[1] = 1e-30f;
     EXPECT(OK, compass_see(compass, &first, &second, &other));
 
