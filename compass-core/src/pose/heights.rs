@@ -147,24 +147,24 @@ impl HeightGrid {
     /// Largest number of ceilings.
     pub const CEILINGS: usize = 32;
 
-    /// The grid of the search: every second rung. A known camera height is tried with a rung to either side, because plan
-    /// scales and measurements err.
+    /// The grid of the search: every second rung, or the known camera height.
     #[must_use]
     pub fn coarse(prior: &HeightPrior) -> Self {
-        Self::new(prior, SEARCHED_M, 2)
+        Self::new(prior, SEARCHED_M, 2, 0)
     }
 
-    /// The grid of refinement: every rung.
+    /// The grid of refinement: every rung. A known camera height is tried with a rung to either side, because plan scales and
+    /// measurements err.
     #[must_use]
     pub fn fine(prior: &HeightPrior) -> Self {
-        Self::new(prior, REFINED_M, 1)
+        Self::new(prior, REFINED_M, 1, 1)
     }
 
-    fn new(prior: &HeightPrior, cameras_m: [f32; 2], step: usize) -> Self {
+    fn new(prior: &HeightPrior, cameras_m: [f32; 2], step: usize, beside: i8) -> Self {
         let [least, most] = cameras_m.map(rungs);
         let known = prior.camera_rungs();
         let (cameras, step_of_cameras) =
-            known.map_or((least..=most, step), |known| (known - 1..=known + 1, 1));
+            known.map_or((least..=most, step), |known| (known - beside..=known + beside, 1));
         let mut grid =
             Self { cameras: Vec::new(), ceilings: Vec::new(), rooms: Vec::new(), priors: Vec::new() };
         for camera in cameras.step_by(step_of_cameras) {

@@ -90,7 +90,7 @@ fn gray(image: &GrayImage<'_>, [x, y]: [f64; 2]) -> Option<f64> {
 }
 
 /// Slopes of boundaries, rungs per degree.
-const SLOPES: [f64; 5] = [0.0, 0.6, -0.6, 1.2, -1.2];
+const SLOPES: [f64; 3] = [0.0, 0.6, -0.6];
 /// Weights of the logarithms of strength and significance at widths of 1 and 4 rows, of the regions nearer and farther, and
 /// of u and u^2.
 const FLOOR_BY_REGION: [f64; 8] = [2.93, 1.69, -1.33, 0.54, 1.09, 1.01, 2.75, -3.31];

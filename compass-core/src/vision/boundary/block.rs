@@ -25,15 +25,9 @@ pub(super) const SPANS: [usize; 2] = [1, 4];
 /// From the difference of the sums over a span to that of its means in quarters of gray levels.
 const SCALES: [i16; 2] = [4, 1];
 
-/// Slopes of a boundary, in rows over the bins from 3 to the right to 3 to the left: 0, +-0.6 and +-1.2 rungs per
-/// degree.
-pub(super) const SLOPES: [[isize; TAPS]; 5] = [
-    [0; 7],
-    [-4, -2, -1, 0, 1, 2, 4],
-    [4, 2, 1, 0, -1, -2, -4],
-    [-7, -5, -2, 0, 2, 5, 7],
-    [7, 5, 2, 0, -2, -5, -7],
-];
+/// Slopes of a boundary, in rows over the bins from 3 to the right to 3 to the left: 0 and +-0.6 rungs per degree. Steeper ones
+/// found no more.
+pub(super) const SLOPES: [[isize; TAPS]; 3] = [[0; 7], [-4, -2, -1, 0, 1, 2, 4], [4, 2, 1, 0, -1, -2, -4]];
 
 /// The gray levels of a block of bins, and their differences along the range axis.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]

@@ -149,7 +149,7 @@ impl<'a, 'r> BoundaryFinder<'a, 'r> {
     /// Computes the evidence from the gray levels of all frames added, in the lent [`Buffers::evidence`].
     ///
     /// # Cost
-    /// For each of the [`CELLS`], 70 additions and products, and 6 table look-ups for each of 5 slopes.
+    /// For each of the [`CELLS`], 70 additions and products, and 6 table look-ups for each of 3 slopes.
     #[must_use]
     #[inline(always)]
     pub fn finish(self) -> BoundaryEvidence<'a> {
