@@ -2,7 +2,6 @@
 
 use crate::dataset::imu::Gravity;
 use crate::locator::{SeeError, Segmented, sky_is_above};
-use crate::up_by_plan::UpCandidate;
 use compass_core::vision::attitude::{UpHint, Vertical};
 use compass_core::vision::camera::Bearing;
 use serde::{Deserialize, Serialize};
@@ -58,23 +57,16 @@ impl Mount {
     ///
     /// # Errors
     /// [`SeeError::NoVertical`] if too few segments agree.
-    pub fn candidates(self, segmented: &mut Segmented<'_, '_, '_>) -> Result<Vec<UpCandidate>, SeeError> {
+    pub fn candidates(self, segmented: &mut Segmented<'_, '_, '_>) -> Result<Vec<Bearing>, SeeError> {
         let hint = self.hint();
         let found = segmented.verticals(hint);
         let rank = |vertical: &Vertical| vertical.support * hint.prior(&vertical.up);
         let least = LEAST_SHARE * rank(found.first().ok_or(SeeError::NoVertical)?);
         let likely = found.iter().filter(|vertical| rank(vertical) >= least).map(|vertical| vertical.up);
         if self != Self::Auto {
-            return Ok(likely.map(UpCandidate::only).collect());
+            return Ok(likely.collect());
         }
-        let mut candidates = Vec::new();
-        for up in likely {
-            // Without a heading it is refused later, unless another one has a heading.
-            let sky = sky_is_above(segmented, &up).unwrap_or(None);
-            candidates.push(UpCandidate { up, has_sky: sky == Some(true) });
-            candidates.push(UpCandidate { up: -up, has_sky: sky == Some(false) });
-        }
-        Ok(candidates)
+        Ok(likely.flat_map(|up| [up, -up]).collect())
     }
 }
 
@@ -149,10 +141,10 @@ impl UpSources {
     pub fn candidates(
         &self,
         segmented: &mut Segmented<'_, '_, '_>,
-    ) -> Result<(Vec<UpCandidate>, UpFrom), SeeError> {
+    ) -> Result<(Vec<Bearing>, UpFrom), SeeError> {
         match (self.from, self.imu) {
             (UpFrom::Imu | UpFrom::Both, Some(_)) => {
-                self.resolve(segmented).map(|(up, from)| (vec![UpCandidate::only(up)], from))
+                self.resolve(segmented).map(|(up, from)| (vec![up], from))
             }
             _ => Ok((self.mount.candidates(segmented)?, UpFrom::Image)),
         }

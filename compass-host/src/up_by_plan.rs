@@ -6,29 +6,6 @@ use compass_core::base::pose::Separation;
 use compass_core::vision::camera::Bearing;
 use compass_core::{Fix, HeightPrior};
 
-/// What the sky seen above adds to a score, as a share of it.
-///
-/// Of 113 rendered and real frames the windows show the sky on the right side in 83 and on the wrong side in 14: evidence,
-/// but less than that of the plan.
-const SKY: f64 = 0.2;
-
-/// A direction that may be up.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct UpCandidate {
-    /// In the axes of cam0, of any length.
-    pub up: Bearing,
-    /// Whether the windows show the sky on this side.
-    pub has_sky: bool,
-}
-
-impl UpCandidate {
-    /// The only one: nothing else is asked.
-    #[must_use]
-    pub const fn only(up: Bearing) -> Self {
-        Self { up, has_sky: false }
-    }
-}
-
 /// Frames, seen with the up vector that explains them best.
 #[derive(Debug)]
 pub struct Placed<'l, 'a> {
@@ -40,7 +17,7 @@ pub struct Placed<'l, 'a> {
     pub fix: Fix<'a>,
 }
 
-/// Finds the pose of frames with each of these up vectors, and keeps the one with which the site explains the frames best.
+/// Finds the pose of frames with each of these up vectors, of any length in the axes of cam0, and keeps the one with which the site explains the frames best.
 /// The others count as rivals in margin and probability.
 ///
 /// The segments are those that were found: only what depends on up is done for each.
@@ -49,17 +26,17 @@ pub struct Placed<'l, 'a> {
 /// [`SeeError::Up`] if none of them defines a heading.
 pub fn locate_by_plan<'l, 'a>(
     mut segmented: Segmented<'l, '_, 'a>,
-    candidates: &[UpCandidate],
+    candidates: &[Bearing],
     heights: HeightPrior,
 ) -> Result<Placed<'l, 'a>, SeeError> {
-    if let [UpCandidate { up, .. }] = candidates {
+    if let [up] = candidates {
         let (up, mut seen) = look(segmented, up)?;
         let fix = seen.locate(heights);
         return Ok(Placed { up, seen, fix });
     }
-    let tried = candidates.iter().filter_map(|UpCandidate { up, has_sky }| {
+    let tried = candidates.iter().filter_map(|up| {
         let (up, mut seen) = look(segmented.by_ref(), up).ok()?;
-        Some(Tried { with: up, has_sky: *has_sky, fix: seen.locate(heights) })
+        Some(Tried { with: up, fix: seen.locate(heights) })
     });
     let (up, fix) = best(tried.collect()).ok_or(SeeError::Up)?;
     let (up, seen) = look(segmented, &up)?;
@@ -77,21 +54,14 @@ fn look<'l, 'a>(segmented: Segmented<'l, '_, 'a>, up: &Bearing) -> Result<(Beari
 pub(crate) struct Tried<'a, T> {
     /// What the caller needs of it.
     pub(crate) with: T,
-    /// Whether the windows show the sky above.
-    pub(crate) has_sky: bool,
     /// Where it leads.
     pub(crate) fix: Fix<'a>,
 }
 
 impl<T> Tried<'_, T> {
-    /// Score of the best pose, a log-likelihood ratio to nothing seen, with what the sky adds.
-    fn score(&self) -> Option<f64> {
-        let score: f64 = self.fix.best()?.score.to_num();
-        Some(score * self.factor())
-    }
-
-    const fn factor(&self) -> f64 {
-        if self.has_sky { 1.0 + SKY } else { 1.0 }
+    /// The score by which up vectors are compared.
+    fn score(&self) -> Option<Nats> {
+        self.fix.exchanged_score()
     }
 
     /// Whether both lead to the same pose, which then is right with either up vector.
@@ -106,9 +76,13 @@ impl<T> Tried<'_, T> {
 pub(crate) fn best<T>(mut tried: Vec<Tried<'_, T>>) -> Option<(T, Fix<'_>)> {
     let first = (0..tried.len()).reduce(|a, b| if tried[b].score() > tried[a].score() { b } else { a })?;
     let best = tried.swap_remove(first);
-    let rivals = tried.iter().filter(|other| !other.agrees(&best)).filter_map(Tried::score);
-    let rival = rivals.reduce(f64::max).map(|score| Nats::saturating_from_num(score / best.factor()));
-    let Tried { with, fix, .. } = best;
+    let rival = tried.iter().filter(|other| !other.agrees(&best)).filter_map(Tried::score).max();
+    // The share by which it leads, of the score that margin and probability refer to.
+    let rival = rival.zip(best.score().zip(best.fix.best())).map(|(rival, (exchanged, pose))| {
+        let [rival, exchanged, score] = [rival, exchanged, pose.score].map(|score| score.to_num::<f64>());
+        Nats::saturating_from_num(if exchanged > 0.0 { score * rival / exchanged } else { score })
+    });
+    let Tried { with, fix } = best;
     let fix = match rival {
         Some(score) => fix.with_rival(score),
         None => fix,

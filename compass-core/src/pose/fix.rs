@@ -26,6 +26,8 @@ pub struct Fix<'a> {
     known: HeightPrior,
     /// Floor and layer of the likeliest pose.
     layer: Option<Place<'a>>,
+    /// What the score of the likeliest pose gains if floor and ceiling exchange their weights.
+    exchange: Nats,
     /// Score of the best pose under another assumption, if one was tried.
     rival: Option<Nats>,
 }
@@ -39,15 +41,17 @@ struct Place<'a> {
 }
 
 impl<'a> Fix<'a> {
+    /// `exchange` is what the score of the likeliest pose gains if floor and ceiling exchange their weights.
     pub(super) fn new(
         alternatives: Alternatives,
         heights: Heights,
         known: HeightPrior,
         layers: &[FloorLayer<'a>],
+        exchange: Nats,
     ) -> Self {
         let layer = alternatives.best().and_then(|best| layers.get(usize::from(best.layer)));
         let layer = layer.map(|layer| Place { floor: layer.floor, name: layer.name, number: layer.number });
-        Self { alternatives, heights, known, layer, rival: None }
+        Self { alternatives, heights, known, layer, exchange, rival: None }
     }
 
     /// No pose.
@@ -58,6 +62,7 @@ impl<'a> Fix<'a> {
             heights: Heights { camera, ceiling: 0 },
             known,
             layer: None,
+            exchange: Nats::ZERO,
             rival: None,
         }
     }
@@ -110,6 +115,16 @@ impl<'a> Fix<'a> {
     #[must_use]
     pub const fn rival(&self) -> Option<Nats> {
         self.rival
+    }
+
+    /// Score of the likeliest pose with the weights of floor and ceiling exchanged, by which opposite up vectors of the same
+    /// frames are compared. `None` without a pose.
+    ///
+    /// The score counts the ceiling half, because it is the fainter of the two. With the wrong one of two up vectors the true
+    /// ceiling passes for the floor, is counted whole, and would win by that.
+    #[must_use]
+    pub fn exchanged_score(&self) -> Option<Nats> {
+        Some(self.best()?.score.saturating_add(self.exchange))
     }
 
     /// Whether the [probability](Self::probability) reaches [`SURE`].

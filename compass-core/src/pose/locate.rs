@@ -183,8 +183,15 @@ pub fn locate<'a>(
         let _ = refined.push(*pose);
     }
     let alternatives = select_alternatives(layers, &mut refined);
-    let [camera, above] = chosen.unwrap_or([known.camera_rungs().unwrap_or(0); 2]);
-    Fix::new(alternatives, Heights { camera, ceiling: above.saturating_sub(camera) }, known, layers)
+    let heights = chosen.unwrap_or([known.camera_rungs().unwrap_or(0); 2]);
+    let exchange = alternatives.best().map_or(Nats::ZERO, |best| evidence.exchange(layers, best, heights));
+    let [camera, above] = heights;
+    Fix::new(alternatives, Heights { camera, ceiling: above.saturating_sub(camera) }, known, layers, exchange)
+}
+
+/// The range rung nearest to a range in steps.
+fn rung_at(steps: u16) -> i32 {
+    (i32::from(position_of(steps)) + (1 << (FRACTION_BITS - 1))) >> FRACTION_BITS
 }
 
 /// Log-likelihood ratio of the upright edges at a pose; 0 outside the plan.
@@ -236,6 +243,23 @@ impl Evidence<'_> {
         }
     }
 
+    /// What the score of a pose gains if floor and ceiling exchange their weights: half of what the ceiling counts more than
+    /// the floor.
+    fn exchange(&self, layers: &[FloorLayer<'_>], pose: &ScoredPose, [camera, above]: [i8; 2]) -> Nats {
+        let Some(layer) = layers.get(usize::from(pose.layer)) else { return Nats::ZERO };
+        let Ok(rays) = layer.plan.rays(pose.at, pose.heading, 1) else { return Nats::ZERO };
+        let mut gain = 0;
+        for (bin, (steps, _)) in (0..BINS).zip(rays).filter(|(_, (_, hit))| *hit != Hit::Open) {
+            let rung = rung_at(steps);
+            let [floor, ceiling] = [(0, camera), (1, above)].map(|(surface, height)| {
+                let cells = self.boundaries.rung(surface, rung_of(rung, height.into()));
+                cells.get(bin).map_or(0, |cell| i32::from(cell.to_bits()))
+            });
+            gain += ceiling - floor;
+        }
+        Nats::from_bits(gain / 2)
+    }
+
     /// Gives each pose the heights that explain it best, and its score there.
     fn choose_heights(&self, layers: &[FloorLayer<'_>], found: &mut [Found]) {
         for (pose, heights) in found {
@@ -260,7 +284,7 @@ impl Evidence<'_> {
             };
             let bits = |cells: &[CellNats; BINS]| cells.get(bin).map_or(0, |cell| i32::from(cell.to_bits()));
             hits += bits(types);
-            let rung = (i32::from(position_of(steps)) + (1 << (FRACTION_BITS - 1))) >> FRACTION_BITS;
+            let rung = rung_at(steps);
             for (sum, height) in floors.iter_mut().zip(self.grid.cameras()) {
                 *sum += bits(self.boundaries.rung(0, rung_of(rung, (*height).into())));
             }

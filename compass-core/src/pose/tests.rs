@@ -259,3 +259,41 @@ fn a_pool_of_any_size_keeps_the_best() {
         assert_eq!(few[0], all[0]);
     }
 }
+
+/// The pose by the boundary of one surface alone.
+fn by_surface<'a>(layer: FloorLayer<'a>, cells: &[CellNats]) -> Fix<'a> {
+    let headings = Headings::N40;
+    let mut work = locate::Work {
+        table: &mut Box::new(EvidenceTable::EMPTY),
+        headings,
+        rows: &mut vec![0; headings.words()],
+        pool: &mut [PoolEntry::EMPTY; 64],
+        effort: locate::Effort::LITTLE,
+    };
+    let boundaries = BoundaryEvidence::new(cells).unwrap();
+    let windows = crate::vision::windows::WindowEvidence::NOTHING;
+    locate::locate(&boundaries, heights::HeightPrior::camera(1.5), &windows, &[layer], &mut work)
+}
+
+#[test]
+fn exchanged_weights_count_the_floor_half_and_the_ceiling_whole() {
+    let building = Building::new();
+    let layer = building.layer();
+    let mut scan = Scan::OPEN;
+    layer.plan.scan(point(2.13, 3.41), Turn::ZERO, &mut scan).unwrap();
+    let mut state = 7_u32;
+    let observed = Observed::of(&scan, &mut || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        state >> 8
+    });
+    let floor = by_surface(layer, &observed.cells);
+    let mut above = observed.cells.clone();
+    above.rotate_right(CELLS / 2);
+    let ceiling = by_surface(layer, &above);
+    // Scores are interpolated between rungs, and exchanged by the nearest one.
+    for (fix, factor) in [(floor, 0.5), (ceiling, 2.0)] {
+        let score: f32 = fix.best().unwrap().score.to_num();
+        let exchanged: f32 = fix.exchanged_score().unwrap().to_num();
+        assert!((exchanged / score - factor).abs() < 0.1 * factor, "{exchanged} of {score}");
+    }
+}

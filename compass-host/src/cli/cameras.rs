@@ -11,7 +11,6 @@ use compass_host::dataset::imu::{Gravity, Readings};
 use compass_host::frame::Frame;
 use compass_host::locator::{SeeError, Segmented};
 use compass_host::up::{UpFrom, UpSources};
-use compass_host::up_by_plan::UpCandidate;
 use std::path::PathBuf;
 
 /// A calibration and the frames of one or two cameras.
@@ -121,11 +120,8 @@ impl Up {
     }
 
     /// The directions in cam0 that may be up, for the plan of a site to choose from.
-    pub(super) fn candidates(
-        &self,
-        segmented: &mut Segmented<'_, '_, '_>,
-    ) -> Result<Vec<UpCandidate>, SeeError> {
-        let given = self.given.map(|up| vec![UpCandidate::only(up)]);
+    pub(super) fn candidates(&self, segmented: &mut Segmented<'_, '_, '_>) -> Result<Vec<Bearing>, SeeError> {
+        let given = self.given.map(|up| vec![up]);
         given.map_or_else(|| Ok(self.sources.candidates(segmented)?.0), Ok)
     }
 }

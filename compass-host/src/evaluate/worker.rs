@@ -12,7 +12,7 @@ use crate::frame::Frame;
 use crate::locator::{Locator, NoPlan, SeeError, see};
 use crate::site;
 use crate::up::{UpFrom, UpSources};
-use crate::up_by_plan::{Tried, UpCandidate, best};
+use crate::up_by_plan::{Tried, best};
 use compass_core::base::confidence::Confidence;
 use compass_core::base::ladder::NOMINAL_HEIGHT_M;
 use compass_core::base::num::{BINS, Nats};
@@ -27,8 +27,6 @@ use std::collections::BTreeMap;
 struct Look {
     evidence: Evidence,
     up: [f32; 3],
-    /// Whether the windows show the sky above.
-    has_sky: bool,
 }
 
 /// Sizes of the frames of the two cameras.
@@ -110,11 +108,11 @@ impl<'a> Worker<'a> {
         let mut observe = || {
             let mut segmented = locator.segment(frames)?;
             let (candidates, from) = up.candidates(&mut segmented)?;
-            let looks = candidates.iter().filter_map(|UpCandidate { up, has_sky }| {
+            let looks = candidates.iter().filter_map(|up| {
                 let levelled = segmented.by_ref().level(up).ok()?;
                 let up = levelled.frame().up();
                 let evidence = Evidence::of(&mut see(levelled));
-                Some(Look { evidence, up: [up.x, up.y, up.z], has_sky: *has_sky })
+                Some(Look { evidence, up: [up.x, up.y, up.z] })
             });
             let looks: Vec<Look> = looks.collect();
             if looks.is_empty() { Err(SeeError::Up) } else { Ok((looks, from)) }
@@ -141,9 +139,9 @@ impl<'a> Worker<'a> {
     fn search(&mut self, looks: Vec<Look>, record: &mut Record, clock: &mut Clock) -> Result<()> {
         let known = self.job.height_m.map_or(HeightPrior::UNKNOWN, HeightPrior::camera);
         let tried = looks.into_iter().map(|look| {
-            let Look { evidence, has_sky, .. } = &look;
+            let Look { evidence, .. } = &look;
             let fix = self.search.recall(&evidence.boundaries(), &evidence.windows()).locate(known);
-            Tried { has_sky: *has_sky, with: look, fix }
+            Tried { with: look, fix }
         });
         let Some((Look { evidence, up, .. }, fix)) = best(tried.collect()) else { return Ok(()) };
         clock.stage("locate");

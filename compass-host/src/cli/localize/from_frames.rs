@@ -13,7 +13,7 @@ use compass_host::clock::Clock;
 use compass_host::locator::{Locator, NoPlan, SeeError, Seen};
 use compass_host::output::Decimal;
 use compass_host::site_file::{SiteFile, SiteFloor};
-use compass_host::up_by_plan::{Placed, UpCandidate, locate_by_plan};
+use compass_host::up_by_plan::{Placed, locate_by_plan};
 use compass_host::wall_check::{WallSummary, Walls};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -173,7 +173,7 @@ fn of_shot<'a>(
     let mut segmented = locator.segment_borrowed(&frames).with_context(name)?;
     let up = segmented.vertical(UpHint::Up(header.up)).map_err(SeeError::from).with_context(name)?.up;
     let heights = header.height_m.map_or(HeightPrior::UNKNOWN, HeightPrior::camera);
-    let placed = locate_by_plan(segmented, &[UpCandidate::only(up)], heights).with_context(name)?;
+    let placed = locate_by_plan(segmented, &[up], heights).with_context(name)?;
     let located = Located::new(placed, floors, options);
     clock.extend(locator.watch().milliseconds());
     Ok((located, locator.layers().to_vec()))
