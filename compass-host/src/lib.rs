@@ -48,7 +48,7 @@
 //! | [`site`], [`site_file`] | packed plans, site maps, files of floors |
 //! | [`reference`](mod@reference) | the method once more, in plain floats |
 //! | [`calibration`], [`dataset`] | lenses and rigs; recordings, trajectories, IMU |
-//! | [`locator`], [`up`], [`localize`](mod@localize) | from a pair of frames to a pose |
+//! | [`locator`], [`up`], [`localize`](mod@localize), [`doubt`] | from a pair of frames to a pose, or why there is none |
 //! | [`visual_descriptor`] | what a pair of frames shows |
 //! | [`wall_check`] | which walls of a plan stand |
 //! | [`localizer`], [`noise`], [`paper_finder`], [`cross_modal`] | the paper's matching, and what it is tried with |
@@ -67,6 +67,7 @@ pub mod clock;
 pub mod compare;
 pub mod cross_modal;
 pub mod dataset;
+pub mod doubt;
 pub mod evaluate;
 pub mod figures;
 pub mod frame;

@@ -44,6 +44,14 @@ pub enum SeeError {
     Frames(LocateError),
 }
 
+impl SeeError {
+    /// Whether it is an answer, "the frames do not tell", rather than bad input.
+    #[must_use]
+    pub const fn is_answer(&self) -> bool {
+        matches!(self, Self::Disagreement(_) | Self::NoVertical | Self::NoSky)
+    }
+}
+
 impl From<LocateError> for SeeError {
     fn from(error: LocateError) -> Self {
         match error {

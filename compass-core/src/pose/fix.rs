@@ -8,11 +8,8 @@ use crate::base::pose::Pose;
 /// Probability from which a pose is [sure](Fix::is_sure).
 pub const SURE: f32 = 0.9;
 
-/// Log odds that a pose is right: constant, factor of the logarithm of its score, and factor of the ratio of margin and
-/// score. See [`Fix::probability`].
-const LOG_ODDS: [f32; 3] = [-24.1, 3.39, 18.2];
-/// Smallest score, nats, in these log odds.
-const LEAST_SCORE: f32 = 50.0;
+/// Log odds that a pose is right: constant, and factor of the lead in nats. See [`Fix::probability`].
+const LOG_ODDS: [f32; 2] = [-3.74, 0.0469];
 
 /// The likeliest pose, its alternatives, and the heights of camera and ceiling estimated with it.
 ///
@@ -88,8 +85,9 @@ impl<'a> Fix<'a> {
 
     /// Estimated probability, 0 to 1, that the pose is within 1 m of the true one.
     ///
-    /// A logistic function of the score, which tells how well the plan explains the images at all, and of the
-    /// [margin](Self::margin) as a share of it. 0 for a score of 0 or less.
+    /// A logistic function of the lead over the second best explanation of the images: the [margin](Self::margin), and at
+    /// most the score, because the explanation "not in this plan" scores 0. Fitted to frames of known pose, on their own plan
+    /// and on those of other buildings (`docs/design.md`, "Probability").
     #[must_use]
     pub fn probability(&self) -> f32 {
         self.best().map_or(0.0, |best| probability_of(best.score, self.margin()))
@@ -171,8 +169,7 @@ pub fn probability_of(score: Nats, margin: Nats) -> f32 {
     if score <= Nats::ZERO {
         return 0.0;
     }
-    let score = score.to_num::<f32>().max(LEAST_SCORE);
-    let margin = margin.max(Nats::ZERO).to_num::<f32>();
-    let odds = LOG_ODDS[0] + LOG_ODDS[1] * libm::logf(score) + LOG_ODDS[2] * margin / score;
+    let lead = margin.clamp(Nats::ZERO, score).to_num::<f32>();
+    let odds = LOG_ODDS[0] + LOG_ODDS[1] * lead;
     1.0 / (1.0 + libm::expf(-odds))
 }

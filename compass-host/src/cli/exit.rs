@@ -34,10 +34,7 @@ impl From<Outcome> for Status {
 
 impl From<&SeeError> for Status {
     fn from(error: &SeeError) -> Self {
-        match error {
-            SeeError::Disagreement(_) | SeeError::NoVertical | SeeError::NoSky => Self::No,
-            _ => Self::BadInput,
-        }
+        if error.is_answer() { Self::No } else { Self::BadInput }
     }
 }
 

@@ -10,6 +10,7 @@ use compass_core::pose::{FloorLayer, ScoredPose};
 use compass_core::vision::shot::Shot;
 use compass_core::{Bearing, ExclusionMask, Fix, Frame, HeightPrior, Settings, UpHint};
 use compass_host::clock::Clock;
+use compass_host::doubt;
 use compass_host::locator::{Locator, NoPlan, SeeError, Seen};
 use compass_host::output::Decimal;
 use compass_host::site_file::{SiteFile, SiteFloor};
@@ -49,12 +50,15 @@ struct Output<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     heading_error_deg: Option<Decimal>,
     milliseconds: BTreeMap<&'static str, Decimal>,
+    /// Of an uncertain answer alone.
+    reason: Option<String>,
 }
 
-/// The text of an uncertain answer.
+/// An uncertain answer.
 #[derive(Debug, Serialize)]
 struct Unsure<'a> {
     probability: Decimal,
+    reason: String,
     candidates: Vec<Pose<'a>>,
 }
 
@@ -72,6 +76,17 @@ struct Located<'a> {
     fix: Fix<'a>,
     /// Empty if the pose is uncertain.
     walls: Walls,
+    layers: Vec<FloorLayer<'a>>,
+    /// What is wrong with the frames, if the pose is uncertain.
+    fault: Option<String>,
+}
+
+/// What came of the frames.
+enum Found<'a> {
+    /// A pose, sure or not.
+    Place(Box<Located<'a>>),
+    /// None, and why.
+    Nothing(String),
 }
 
 /// Options of the localization.
@@ -91,25 +106,22 @@ pub(super) fn run(map: &Path, input: &Input<'_>, options: &Options, json: &JsonO
         return Err(NoPlan).with_context(|| map.display().to_string());
     }
     clock.stage("read_map");
-    let (located, layers) = match input {
+    let found = match input {
         Input::Images(cameras) => of_images(&floors, cameras, options, &mut clock)?,
         Input::Shot(path) => of_shot(&floors, path, options, &mut clock)?,
     };
-    let Located { up, fix, walls } = located;
+    let located = match found {
+        Found::Place(located) => *located,
+        Found::Nothing(reason) => return unsure(0.0, reason, Vec::new(), json),
+    };
+    let Located { up, fix, walls, layers, fault } = located;
     let poses: Vec<_> = fix.poses().iter().map(|scored| pose(scored, &layers)).collect();
     let probability = f64::from(fix.probability());
-    let (Some(best), Some(scored)) = (poses.first().copied(), fix.best()) else {
-        json.emit(&Unsure { probability: Decimal(0.0), candidates: poses }, "no pose found\n")?;
-        return Ok(Outcome::No);
+    let best = poses.first().copied().zip(fix.best()).filter(|_| probability >= options.least_probability);
+    let Some((best, scored)) = best else {
+        let reason = with_fault(doubt::of_fix(&fix, options.least_probability), fault);
+        return unsure(probability, reason, poses, json);
     };
-    if probability < options.least_probability {
-        let summary = format!(
-            "I don't know: the likeliest of {} poses is right with a probability of {probability:.2}\n",
-            poses.len()
-        );
-        json.emit(&Unsure { probability: Decimal(probability), candidates: poses }, &summary)?;
-        return Ok(Outcome::No);
-    }
     let errors = options.truth.map(|(at, heading)| best.error(at, heading));
     let layer = usize::from(fix.layer_number().unwrap_or(0));
     let output = Output {
@@ -129,30 +141,57 @@ pub(super) fn run(map: &Path, input: &Input<'_>, options: &Options, json: &JsonO
         position_error_m: errors.map(|(metres, _)| Decimal(metres)),
         heading_error_deg: errors.map(|(_, degrees)| Decimal(degrees)),
         milliseconds: milliseconds(&clock),
+        reason: None,
     };
     json.emit(&output, &summary(&output))?;
     Ok(Outcome::Done)
 }
 
-type Layers<'a> = Vec<FloorLayer<'a>>;
+/// Reports that there is no pose, and why.
+fn unsure(probability: f64, reason: String, candidates: Vec<Pose<'_>>, json: &JsonOption) -> Result<Outcome> {
+    let summary = format!("I don't know (probability {probability:.2}): {reason}\n");
+    json.emit(&Unsure { probability: Decimal(probability), reason, candidates }, &summary)?;
+    Ok(Outcome::No)
+}
+
+/// A reason with what is wrong with the frames.
+fn with_fault(reason: String, fault: Option<String>) -> String {
+    match fault {
+        Some(fault) => format!("{reason}; {fault}"),
+        None => reason,
+    }
+}
 
 fn of_images<'a>(
     floors: &[SiteFloor<'a>],
     cameras: &CameraArgs,
     options: &Options,
     clock: &mut Clock,
-) -> Result<(Located<'a>, Layers<'a>)> {
+) -> Result<Found<'a>> {
     let cameras = cameras.load()?;
     let frames = cameras.frames.each_ref().map(Option::as_ref);
     clock.stage("read_frames");
     let mut locator = Locator::new(floors, cameras.rig, options.settings)?;
     let name = || cameras.name.clone();
     let mut segmented = locator.segment(frames).with_context(name)?;
-    let ups = cameras.up.candidates(&mut segmented).with_context(name)?;
-    let placed = locate_by_plan(segmented, &ups, cameras.heights()).with_context(name)?;
-    let located = Located::new(placed, floors, options);
+    let placed = cameras
+        .up
+        .candidates(&mut segmented)
+        .and_then(|ups| locate_by_plan(segmented, &ups, cameras.heights()));
+    let mut located = match placed {
+        Ok(placed) => Located::new(placed, floors, options),
+        Err(error) if error.is_answer() => {
+            let reason = format!("{}: {error}", cameras.name);
+            return Ok(Found::Nothing(with_fault(reason, doubt::of_frames(frames))));
+        }
+        Err(error) => return Err(error).with_context(name),
+    };
+    if f64::from(located.fix.probability()) < options.least_probability {
+        located.fault = doubt::of_frames(frames);
+    }
     clock.extend(locator.watch().milliseconds());
-    Ok((located, locator.layers().to_vec()))
+    located.layers = locator.layers().to_vec();
+    Ok(Found::Place(Box::new(located)))
 }
 
 fn of_shot<'a>(
@@ -160,7 +199,7 @@ fn of_shot<'a>(
     path: &Path,
     options: &Options,
     clock: &mut Clock,
-) -> Result<(Located<'a>, Layers<'a>)> {
+) -> Result<Found<'a>> {
     let name = || path.display().to_string();
     let bytes = std::fs::read(path).with_context(name)?;
     let shot = Shot::new(&bytes).and_then(|shot| shot.verify().map(|()| shot)).with_context(name)?;
@@ -174,9 +213,10 @@ fn of_shot<'a>(
     let up = segmented.vertical(UpHint::Up(header.up)).map_err(SeeError::from).with_context(name)?.up;
     let heights = header.height_m.map_or(HeightPrior::UNKNOWN, HeightPrior::camera);
     let placed = locate_by_plan(segmented, &[up], heights).with_context(name)?;
-    let located = Located::new(placed, floors, options);
+    let mut located = Located::new(placed, floors, options);
     clock.extend(locator.watch().milliseconds());
-    Ok((located, locator.layers().to_vec()))
+    located.layers = locator.layers().to_vec();
+    Ok(Found::Place(Box::new(located)))
 }
 
 impl<'a> Located<'a> {
@@ -185,7 +225,7 @@ impl<'a> Located<'a> {
         let Placed { up, mut seen, fix } = placed;
         let is_sure = f64::from(fix.probability()) >= options.least_probability;
         let walls = if is_sure { walls(&fix, &mut seen, floors) } else { Walls::default() };
-        Self { up, fix, walls }
+        Self { up, fix, walls, layers: Vec::new(), fault: None }
     }
 }
 
