@@ -239,6 +239,11 @@ impl HeightGrid {
         &self.ceilings
     }
 
+    /// Whether each camera height has two ceilings or more.
+    pub(super) fn has_many_ceilings(&self) -> bool {
+        self.rooms.iter().all(|[start, end]| end.saturating_sub(*start) > 1)
+    }
+
     /// The [`ceilings`](Self::ceilings) that go with one of the [`cameras`](Self::cameras).
     #[must_use]
     pub fn rooms(&self, camera: usize) -> Range<usize> {
