@@ -229,12 +229,10 @@ impl<const N: usize> Scores<N> {
         // A rough score takes every second ceiling.
         let step = if headings < N && grid.has_many_ceilings() { 2 } else { 1 };
         let ceilings = self.ceilings.iter_mut().zip(grid.ceilings()).enumerate();
-        for (number, (scores, height)) in ceilings.take(rooms.end).skip(rooms.start) {
-            if number % step == 0 {
-                score(Source::Ceiling(*height), scores);
-            } else {
-                *scores = [i16::MIN; N];
-            }
+        for (_, (scores, height)) in
+            ceilings.take(rooms.end).skip(rooms.start).filter(|(number, _)| number % step == 0)
+        {
+            score(Source::Ceiling(*height), scores);
         }
         let mut hits = [0; N];
         score(Source::HitType, &mut hits);
@@ -246,7 +244,9 @@ impl<const N: usize> Scores<N> {
             }
             score(Source::Floor(*height), floor);
             let mut above = [i16::MIN; N];
-            for ceiling in self.ceilings.get(grid.rooms(camera)).unwrap_or_default() {
+            let rooms = grid.rooms(camera);
+            let first = rooms.start.next_multiple_of(step);
+            for ceiling in self.ceilings.iter().take(rooms.end).skip(first).step_by(step) {
                 for (above, ceiling) in above.iter_mut().zip(ceiling).take(headings) {
                     *above = (*above).max(*ceiling);
                 }

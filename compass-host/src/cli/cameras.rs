@@ -1,10 +1,10 @@
 //! The options that every command with camera frames shares.
 
+use super::heights::HeightArgs;
 use super::plan::{finite, pair};
 use super::up::{MountOption, UpFromOption};
 use anyhow::{Result, bail};
 use compass_core::HeightPrior;
-use compass_core::base::ladder::HEIGHTS_M;
 use compass_core::vision::camera::{Bearing, Rig};
 use compass_host::calibration::Calibration;
 use compass_host::dataset::imu::{Gravity, Readings};
@@ -29,9 +29,8 @@ pub(super) struct CameraArgs {
     up: UpArg,
     #[command(flatten)]
     imu: ImuArgs,
-    /// Height of cam0 above the floor in metres [default: estimated]
-    #[arg(long, value_name = "M", value_parser = height, allow_hyphen_values = true)]
-    camera_height: Option<f32>,
+    #[command(flatten)]
+    heights: HeightArgs,
 }
 
 /// The up vector, if it is given.
@@ -131,8 +130,8 @@ pub(super) struct Taken {
     pub(super) calibration: Calibration,
     pub(super) frames: [Option<Frame>; 2],
     pub(super) up: Up,
-    /// Height of cam0 above the floor in metres, if known.
-    pub(super) height_m: Option<f32>,
+    /// What is known of the heights.
+    pub(super) heights: HeightPrior,
     /// The files of the frames, for messages.
     pub(super) name: String,
 }
@@ -150,17 +149,10 @@ pub(super) struct Cameras {
     pub(super) frames: [Option<Frame>; 2],
     pub(super) rig: Rig,
     pub(super) up: Up,
-    /// Height of cam0 above the floor in metres, if known.
-    pub(super) height_m: Option<f32>,
+    /// What is known of the heights.
+    pub(super) heights: HeightPrior,
     /// The files of the frames, for messages.
     pub(super) name: String,
-}
-
-impl Cameras {
-    /// The prior of the heights.
-    pub(super) fn heights(&self) -> HeightPrior {
-        self.height_m.map_or(HeightPrior::UNKNOWN, HeightPrior::camera)
-    }
 }
 
 impl CameraArgs {
@@ -180,25 +172,17 @@ impl CameraArgs {
         let [cam0, cam1] = paths.map(|path| path.as_ref().map(|path| Frame::read(path)).transpose());
         let files: Vec<_> = paths.into_iter().flatten().map(|path| path.display().to_string()).collect();
         let up = self.up.with(self.imu.source()?, self.imu.load(&calibration)?);
-        let (height_m, name) = (self.camera_height, files.join(", "));
-        Ok(Taken { calibration, frames: [cam0?, cam1?], up, height_m, name })
+        let (heights, name) = (self.heights.prior(), files.join(", "));
+        Ok(Taken { calibration, frames: [cam0?, cam1?], up, heights, name })
     }
 
     /// Reads the calibration and the frames, and makes a rig for them.
     pub(super) fn load(&self) -> Result<Cameras> {
         let taken = self.read()?;
         let rig = taken.rig()?;
-        let Taken { frames, up, height_m, name, .. } = taken;
-        Ok(Cameras { frames, rig, up, height_m, name })
+        let Taken { frames, up, heights, name, .. } = taken;
+        Ok(Cameras { frames, rig, up, heights, name })
     }
-}
-
-/// Parses a camera height within the supported range.
-pub(super) fn height(text: &str) -> Result<f32, String> {
-    let [least, most] = HEIGHTS_M;
-    let metres = finite(text)? as f32;
-    let good = (least..=most).contains(&metres);
-    if good { Ok(metres) } else { Err(format!("expected {least} to {most} metres")) }
 }
 
 /// Parses three finite numbers that are not all zero, `X,Y,Z`.

@@ -1,10 +1,12 @@
 //! The pictures of `--debug-dir`: what was found in camera frames, and the candidates.
 
 use anyhow::Result;
+use compass_core::base::num::{BINS, CellNats};
 use compass_core::base::raster::GrayImage;
 use compass_core::base::scan::{STEPS_PER_METRE, Scan};
 use compass_core::descriptor::Descriptor;
 use compass_core::descriptor::windows::{ImageWindow, Rejection};
+use compass_core::vision::boundary::CELLS;
 use compass_core::vision::camera::{Pixel, Rig, View};
 use compass_core::vision::level_frame::{LevelFrame, NOMINAL_RANGE_M};
 use compass_core::vision::segments::Segment;
@@ -44,13 +46,27 @@ pub(super) struct Found<'a> {
     pub(super) window_evidence: &'a WindowEvidence,
     /// The descriptor with metric ranges, if it was computed.
     pub(super) descriptor: Option<&'a VisualDescriptor>,
+    /// Evidence of the boundaries of floor and ceiling, [`CELLS`] values, if it was computed.
+    pub(super) boundaries: &'a [CellNats],
     /// The scan of the plan, if there is one.
     pub(super) plan: Option<&'a Scan>,
 }
 
+/// The probability of each rung of a surface and bin, from log-likelihood ratios.
+fn probability(boundaries: &[CellNats]) -> Vec<f32> {
+    let mut cells: Vec<f32> = boundaries.iter().map(|cell| cell.to_num::<f32>().exp()).collect();
+    for surface in cells.chunks_mut(CELLS / 2) {
+        for bin in 0..BINS {
+            let whole: f32 = surface.iter().skip(bin).step_by(BINS).sum();
+            surface.iter_mut().skip(bin).step_by(BINS).for_each(|cell| *cell /= whole);
+        }
+    }
+    cells
+}
+
 impl Found<'_> {
     /// Writes `ring.png`, `polar.png`, for each camera `camN_segments.png` and `camN_windows.png`, and with ranges
-    /// `panorama.png` and `descriptor.png`.
+    /// `panorama.png`, `boundaries.png` and `descriptor.png`.
     pub(super) fn draw(&self, dir: &Path) -> Result<()> {
         create_dir(dir)?;
         for (camera, frame) in self.frames.iter().enumerate() {
@@ -73,7 +89,9 @@ impl Found<'_> {
         figures::draw_ring(&dir.join("ring.png"), &picture)?;
         figures::draw_seen(&dir.join("polar.png"), hit, &known, self.plan.map(|plan| &plan.hit))?;
         if let Some(surroundings) = self.descriptor {
-            self.draw_panorama(&dir.join("panorama.png"), surroundings)?;
+            self.draw_panorama(&dir.join("panorama.png"), surroundings, None)?;
+            let probability = probability(self.boundaries);
+            self.draw_panorama(&dir.join("boundaries.png"), surroundings, Some(&probability))?;
             self.draw_descriptors(&dir.join("descriptor.png"), surroundings)?;
         }
         Ok(())
@@ -83,6 +101,7 @@ impl Found<'_> {
         &self,
         path: &Path,
         VisualDescriptor { height, ranges, .. }: &VisualDescriptor,
+        probability: Option<&[f32]>,
     ) -> Result<()> {
         let resolution = self.considered.resolution;
         let corners = |w: &Window| {
@@ -91,10 +110,14 @@ impl Found<'_> {
         let windows: Vec<_> = self.windows.iter().map(corners).collect();
         let metres = self.plan.map(|plan| plan.steps.map(|s| f64::from(s) / f64::from(STEPS_PER_METRE)));
         let picture = PanoramaPicture {
-            ranges: &ranges.map(|range| range.map(|r| [r.metres, r.confidence].map(f64::from))),
+            // The probability says more than the likeliest range.
+            ranges: &ranges.map(|range| {
+                range.filter(|_| probability.is_none()).map(|r| [r.metres, r.confidence].map(f64::from))
+            }),
             plan: metres.as_ref(),
             heights_m: [height.camera_m, height.ceiling_m - height.camera_m].map(f64::from),
             windows: &windows,
+            probability,
         };
         figures::draw_panorama(path, &picture, |azimuth, elevation| self.colour(azimuth, elevation))?;
         Ok(())

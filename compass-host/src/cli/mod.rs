@@ -9,6 +9,7 @@ mod describe;
 mod evaluate;
 mod exit;
 mod gravity;
+mod heights;
 mod json;
 mod localize;
 mod map;

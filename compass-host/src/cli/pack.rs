@@ -60,7 +60,7 @@ impl Pack {
             taken.frames.each_ref().map(|frame| frame.as_ref().map(|f| self.shrink(&taken, f)));
         let small = [cam0.transpose()?, cam1.transpose()?];
         let rig = taken.calibration.rig(small.each_ref().map(|small| small.as_ref().map(|_| self.size)))?;
-        let header = Header { time_ns: self.time_ns, rig, up, height_m: taken.height_m };
+        let header = Header { time_ns: self.time_ns, rig, up, height_m: taken.heights.camera_m() };
         let bytes = self.bytes(&header, &small)?;
         write_file(&self.out, &bytes)?;
         let (width, height) = self.size;

@@ -7,6 +7,7 @@ use super::plan::PoseOnPlan;
 use crate::cli::json::JsonOption;
 use anyhow::{Context as _, Result};
 use compass_core::Settings;
+use compass_core::base::num::CellNats;
 use compass_core::descriptor::Descriptor;
 use compass_core::descriptor::windows::ImageWindow;
 use compass_core::vision::camera::{Pixel, Rig, View};
@@ -158,7 +159,7 @@ impl See {
             times.push(stages);
             last = Some(seen);
         }
-        let Observation { level, evidence, windows: chosen, descriptor } =
+        let Observation { level, evidence, windows: chosen, descriptor, boundaries } =
             last.context("--repeat 0 looks at nothing")?;
         let (rig, resolution) = (*locator.rig(), locator.resolution());
         let windows: Vec<_> = chosen.iter().map(|w| WindowOutput::new(w, &rig, &level, resolution)).collect();
@@ -167,8 +168,20 @@ impl See {
             let segments = segments(&mut locator, frames)?;
             let considered = locator.watch().considered().context("the panorama was drawn")?;
             let (rig, windows, window_evidence) = (&rig, &chosen, &evidence);
-            Found { frames, rig, segments, considered, level, windows, window_evidence, descriptor, plan }
-                .draw(dir)?;
+            let boundaries = &boundaries;
+            Found {
+                frames,
+                rig,
+                segments,
+                considered,
+                level,
+                windows,
+                window_evidence,
+                descriptor,
+                boundaries,
+                plan,
+            }
+            .draw(dir)?;
         }
         let [segments, level_ms, windows_ms, ranges] =
             ["segments", "up", "windows", "ranges"].map(|stage| median(&times, stage));
@@ -199,6 +212,7 @@ struct Observation {
     evidence: WindowEvidence,
     windows: Vec<Window>,
     descriptor: VisualDescriptor,
+    boundaries: Vec<CellNats>,
 }
 
 /// Observes once; also returns the milliseconds that the descriptor took.
@@ -210,9 +224,10 @@ fn observe(locator: &mut Locator<'_>, cameras: &Cameras) -> Result<(Observation,
     let mut seen = see(levelled);
     let (evidence, windows) = (seen.window_evidence().clone(), seen.windows().to_vec());
     let start = Instant::now();
-    let descriptor = VisualDescriptor::of(&mut seen, cameras.heights());
+    let descriptor = VisualDescriptor::of(&mut seen, cameras.heights);
     let described = start.elapsed().as_secs_f64() * 1e3;
-    Ok((Observation { level, evidence, windows, descriptor }, described))
+    let boundaries = seen.boundaries().map_or_else(Vec::new, |evidence| evidence.cells().to_vec());
+    Ok((Observation { level, evidence, windows, descriptor, boundaries }, described))
 }
 
 /// The segments of both frames.

@@ -5,6 +5,7 @@ use crate::dataset::imu::{Gravity, Readings};
 use crate::dataset::trajectory::Trajectory;
 use crate::site_file::SiteFloor;
 use crate::up::Mount;
+use compass_core::HeightPrior;
 use std::path::{Path, PathBuf};
 
 /// Accelerometer readings within this time of a frame are averaged for gravity, nanoseconds: half a second in all, about
@@ -22,8 +23,8 @@ pub struct Job<'a> {
     pub mount: Mount,
     /// The accelerometer, if there is one.
     pub imu: Option<&'a Readings>,
-    /// Height of cam0 above the floor in metres, if known.
-    pub height_m: Option<f32>,
+    /// What is known of the heights of camera and ceiling.
+    pub heights: HeightPrior,
     /// Ground truth: the trajectory of cam0.
     pub truth: &'a Trajectory,
     /// Index of the floor of the ground truth.

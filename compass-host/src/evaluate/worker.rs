@@ -76,7 +76,7 @@ impl<'a> Worker<'a> {
             up_from: UpFrom::Image,
             height: 0,
             ceiling: 0,
-            height_m: self.job.height_m.unwrap_or(NOMINAL_HEIGHT_M),
+            height_m: self.job.heights.camera_m().unwrap_or(NOMINAL_HEIGHT_M),
             single: Vec::new(),
             rival: None,
             oracle: Vec::new(),
@@ -137,7 +137,7 @@ impl<'a> Worker<'a> {
 
     /// The pose search, in which the plan decides which way is up, and the paper's matching.
     fn search(&mut self, looks: Vec<Look>, record: &mut Record, clock: &mut Clock) -> Result<()> {
-        let known = self.job.height_m.map_or(HeightPrior::UNKNOWN, HeightPrior::camera);
+        let known = self.job.heights;
         let tried = looks.into_iter().map(|look| {
             let Look { evidence, .. } = &look;
             let fix = self.search.recall(&evidence.boundaries(), &evidence.windows()).locate(known);

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use compass_core::base::ladder::{NEAREST_M, NOMINAL_HEIGHT_M, RUNG};
+use compass_core::vision::boundary::{NOMINAL_RUNG, RUNGS};
 use plotters::style::RGBColor;
 use rayon::prelude::*;
 
@@ -21,6 +23,8 @@ pub struct PanoramaPicture<'a> {
     pub heights_m: [f64; 2],
     /// Azimuths and elevations of the windows, degrees: right and left, sill and lintel.
     pub windows: &'a [[[f64; 2]; 2]],
+    /// Probability of the boundary by surface (floor, ceiling), rung and bin, [`CELLS`](compass_core::vision::boundary::CELLS) values: drawn over the image.
+    pub probability: Option<&'a [f32]>,
 }
 
 /// Elevations shown, degrees to either side of the horizon.
@@ -41,6 +45,10 @@ const FOUND: [(f64, RGBColor, &str); 3] = [
 ];
 const PLAN: RGBColor = RGBColor(0xff, 0x40, 0xc8);
 const WINDOWS: RGBColor = RGBColor(0x30, 0xb0, 0xff);
+/// Colours of a probable boundary of floor and ceiling.
+const PROBABLE: [RGBColor; 2] = [RGBColor(0xff, 0x9a, 0x00), RGBColor(0x30, 0xe0, 0xff)];
+/// Probability of a rung that is drawn in the full colour.
+const FULL: f32 = 0.25;
 const HORIZON: RGBColor = RGBColor(0xf0, 0xf0, 0xf0);
 
 /// Draws the half of the view ahead, and below it the half behind; `colour` gives the image colour at an azimuth
@@ -95,11 +103,31 @@ impl PanoramaPicture<'_> {
             Entry::new(line(*colour), format!("found, confidence {name} ({bins})"))
         });
         let mut entries: Vec<_> = found.collect();
+        if self.probability.is_some() {
+            let names = ["probable boundary of the floor", "of the ceiling"];
+            entries = PROBABLE.into_iter().zip(names).map(|(c, name)| Entry::new(line(c), name)).collect();
+        }
         if self.plan.is_some() {
             entries.push(Entry::new(line(PLAN), "plan"));
         }
         entries.push(Entry::new(line(WINDOWS), format!("windows ({})", self.windows.len())));
         entries
+    }
+
+    /// The image's colour in a direction in gray, with the probability of a boundary over it; azimuth and elevation in
+    /// degrees.
+    fn with_probability(&self, [r, g, b]: [u8; 3], azimuth: f64, elevation: f64) -> [u8; 3] {
+        let Some(cells) = self.probability else { return [r, g, b] };
+        let surface = usize::from(elevation > 0.0);
+        let log_range = -elevation.to_radians().tan().abs().ln();
+        let rung = (log_range - f64::from(NEAREST_M / NOMINAL_HEIGHT_M).ln()) / f64::from(RUNG)
+            + NOMINAL_RUNG as f64;
+        let bin = azimuth.rem_euclid(360.0).round() as usize % 360;
+        let cell = (0.0..RUNGS as f64).contains(&rung.round()).then(|| rung.round() as usize * 360 + bin);
+        let chance = cell.and_then(|cell| cells.get(surface * RUNGS * 360 + cell)).copied().unwrap_or(0.0);
+        let (share, gray) = ((chance / FULL).min(1.0), (f32::from(r) + f32::from(g) + f32::from(b)) / 4.5);
+        let RGBColor(r, g, b) = PROBABLE[surface];
+        [r, g, b].map(|full| (gray + (f32::from(full) - gray) * share) as u8)
     }
 
     /// Elevations in degrees at which a wall at this range meets the floor and the ceiling.
@@ -142,7 +170,8 @@ impl Half<'_> {
         let look = |index: usize| {
             let azimuth = self.from_deg - place(index % columns);
             let elevation = REACH_DEG - place(index / columns);
-            colour(azimuth.to_radians() as f32, elevation.to_radians() as f32)
+            let seen = colour(azimuth.to_radians() as f32, elevation.to_radians() as f32);
+            seen.map(|seen| self.data.with_probability(seen, azimuth, elevation))
         };
         let view: Vec<_> = (0..columns * rows).into_par_iter().map(look).collect();
         canvas.paint(frame, |square| {

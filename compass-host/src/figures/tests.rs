@@ -287,6 +287,30 @@ fn error_cdf_draws_every_series() {
 }
 
 #[test]
+fn panorama_shows_where_boundaries_are_probable() {
+    use compass_core::vision::boundary::{CELLS, RUNGS};
+    // Certain at one rung: the floor's at 1.5 times the camera's height, the ceiling's at 3 times its own.
+    let mut probability = vec![0.0; CELLS];
+    for (surface, ratio) in [(0, 1.5_f64), (1, 3.0)] {
+        let rung = 9.0 + (ratio * 1.5 / 0.4).ln() / 0.060_81;
+        let from = (surface * RUNGS + rung.round() as usize) * 360;
+        probability[from..from + 360].fill(1.0);
+    }
+    let data = PanoramaPicture {
+        ranges: &[None; 360],
+        plan: None,
+        heights_m: [1.6, 1.1],
+        windows: &[],
+        probability: Some(&probability),
+    };
+    let picture = drawn("boundaries.png", |path| draw_panorama(path, &data, |_, _| Some([0x60; 3])));
+    // atan(1 / 1.5) is 33.7 degrees, atan(1 / 3) 18.4: a rung is 3.2 degrees of one high, and 1.0 of the other.
+    let [floor, ceiling] =
+        [RGBColor(0xff, 0x9a, 0x00), RGBColor(0x30, 0xe0, 0xff)].map(|c| count(&picture, c));
+    assert!(floor > ceiling && ceiling > 5_000, "{floor} {ceiling}");
+}
+
+#[test]
 fn panorama_shows_what_was_found_and_planned() {
     let (range_m, _) = scan(HEADING);
     let ranges = std::array::from_fn(|bin| (bin % 90 > 5).then_some([range_m[bin], bin as f64 / 360.0]));
@@ -295,6 +319,7 @@ fn panorama_shows_what_was_found_and_planned() {
         plan: Some(&range_m.map(|r| 1.1 * r)),
         heights_m: [1.6, 1.1],
         windows: &[[[170.0, 195.0], [-5.0, 12.0]]],
+        probability: None,
     };
     let sky = |_: f32, elevation: f32| (elevation < 0.7).then_some([0x80, 0x90, 0xa0]);
     let picture = drawn("panorama.png", |path| draw_panorama(path, &data, sky));

@@ -1,7 +1,7 @@
 //! `compass evaluate`: a recording frame by frame and as a sequence, against the truth.
 
-use super::cameras::height;
 use super::exit::Outcome;
+use super::heights::HeightArgs;
 use super::progress::Bars;
 use super::up::MountOption;
 use crate::cli::json::JsonOption;
@@ -66,9 +66,8 @@ pub(super) struct Evaluate {
     /// Which side of cam0's image is up, within 45 degrees, where the accelerometer does not tell
     #[arg(long, value_enum, default_value_t = MountOption::Auto)]
     mount: MountOption,
-    /// Height of cam0 above the floor in metres [default: estimated]
-    #[arg(long, value_name = "M", value_parser = height, allow_hyphen_values = true)]
-    camera_height: Option<f32>,
+    #[command(flatten)]
+    heights: HeightArgs,
     #[command(flatten)]
     json: JsonOption,
 }
@@ -98,7 +97,7 @@ impl Evaluate {
             calibration: &calibration,
             mount: self.mount.into(),
             imu: recording.imu.as_ref(),
-            height_m: self.camera_height,
+            heights: self.heights.prior(),
             truth: &truth,
             floor,
             evidence: &evidence,
@@ -145,7 +144,7 @@ impl Evaluate {
     fn fingerprints(&self, file: &SiteFile, job: &Job<'_>, shots: &[Shot]) -> Result<HashMap<u64, String>> {
         let read =
             |path: &Path| std::fs::read(path).with_context(|| format!("{}: cannot be read", path.display()));
-        let options = format!("{:?} {:?} {:?}", self.mount, self.camera_height, self.floor);
+        let options = format!("{:?} {:?} {:?}", self.mount, self.heights, self.floor);
         let common = Fingerprint::new()
             .of(file.as_bytes())
             .of(&read(&self.calib)?)

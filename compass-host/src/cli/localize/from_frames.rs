@@ -177,7 +177,7 @@ fn of_images<'a>(
     let placed = cameras
         .up
         .candidates(&mut segmented)
-        .and_then(|ups| locate_by_plan(segmented, &ups, cameras.heights()));
+        .and_then(|ups| locate_by_plan(segmented, &ups, cameras.heights));
     let mut located = match placed {
         Ok(placed) => Located::new(placed, floors, options),
         Err(error) if error.is_answer() => {
