@@ -16,6 +16,7 @@ use crate::vision::boundary::{BoundaryEvidence, BoundaryFinder};
 use crate::vision::camera::{Bearing, CAMERAS};
 use crate::vision::lens_field;
 use crate::vision::level_frame::LevelFrame;
+use crate::vision::sample::ExclusionMask;
 use crate::vision::segments::{self, Segment, detect, smooth};
 use crate::vision::windows::{
     Window, WindowEvidence, WindowFinder, segment_parameters, sky_is_above, wants_smoothed,
@@ -466,7 +467,7 @@ fn find_boundaries_in<M: AsMut<[u32]>, T, const LAYERS: usize>(
     let Some(mut finder) = BoundaryFinder::new(buffers, rig, frame) else { return };
     for (camera, _) in rig.views() {
         let Some(frame) = frames.get(camera).and_then(Option::as_ref) else { continue };
-        finder.add(camera, &frame.gray, frame.excluded);
+        finder.add(camera, &frame.gray, ExclusionMask::Unknown);
     }
     let _ = finder.finish();
 }

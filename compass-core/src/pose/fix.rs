@@ -9,7 +9,7 @@ use crate::base::pose::Pose;
 pub const SURE: f32 = 0.9;
 
 /// Log odds that a pose is right: constant, and factor of the lead in nats. See [`Fix::probability`].
-const LOG_ODDS: [f32; 2] = [-3.74, 0.0469];
+const LOG_ODDS: [f32; 2] = [-4.13, 0.0464];
 
 /// The likeliest pose, its alternatives, and the heights of camera and ceiling estimated with it.
 ///

@@ -8,7 +8,8 @@ pub(crate) const SUBPIXEL: u32 = 8;
 
 /// Pixels to leave out because they show red safety gear.
 ///
-/// Samples at excluded pixels are unknown: the panorama and the raster of boundaries treat them as if no camera saw them.
+/// Samples at excluded pixels are unknown: the panorama treats them as if no camera saw them. A locator seeks the boundaries of
+/// floor and ceiling in all pixels.
 #[derive(Debug, Clone, Copy)]
 pub enum ExclusionMask<'a> {
     /// No colours known: no pixel is left out.
