@@ -12,6 +12,7 @@ mod gravity;
 mod json;
 mod localize;
 mod map;
+mod notes;
 mod pack;
 mod pictures;
 mod plan;

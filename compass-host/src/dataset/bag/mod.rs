@@ -1,32 +1,40 @@
 //! ROS 2 bags: a folder of `metadata.yaml` and one file or several, `SQLite` (`.db3`) or MCAP, each as a whole, its
-//! messages or its chunks compressed or not.
+//! messages or its chunks compressed or not; or such files without metadata.
 //!
 //! A bag is scanned once for the stamps of the frames and the readings of the IMU; a frame is fetched again on demand.
-//! Times are those of the messages' headers, not of their recording.
+//! Times are those of the messages' headers, or of their recording where a topic has none.
 
 mod choice;
+mod encoding;
+mod file;
+mod kind;
 mod mcap_file;
 mod message;
 mod metadata;
 mod place;
+mod scan;
 mod sqlite_file;
+mod topic;
 
 use super::error::DatasetError;
-use super::imu::{Reading, Readings};
+use super::faults::Faults;
+use super::imu::Readings;
 use super::pairs::List;
 use super::topics::Topics;
 use crate::calibration::Calibration;
 use crate::frame::Frame;
 use crate::image_file::Pixels;
-use crate::progress::{Progress, Steps};
-use choice::Role;
-use metadata::{Compression, Metadata, Storage, Topic};
+use crate::progress::Progress;
+use file::{BagFile, Content, Storage};
+use metadata::Metadata;
 use place::Place;
-use std::fs::File;
-use std::io::Read;
+use scan::Scan;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use tempfile::TempPath;
+use topic::Topic;
+
+/// The file that describes a bag.
+pub(super) const METADATA: &str = "metadata.yaml";
 
 /// The contents read from a bag.
 pub(super) struct Contents {
@@ -36,26 +44,34 @@ pub(super) struct Contents {
     pub(super) imu: Option<Readings>,
     /// The topics that were read.
     pub(super) topics: Topics,
+    /// What was left out.
+    pub(super) faults: Faults,
+    /// What else a user should know.
+    pub(super) notes: Vec<String>,
 }
 
-/// Reads the stamps and readings of the bag in `dir` that the file `metadata` describes.
+/// Whether a path is a bag: a file of one, or a folder with some or with metadata.
+pub(super) fn is_one(path: &Path) -> bool {
+    if path.is_file() {
+        return file::content(path).is_ok_and(|content| content != Content::Other);
+    }
+    path.join(METADATA).exists() || !file::storages(path).is_empty()
+}
+
+/// Reads the stamps and readings of a bag.
 pub(super) fn read(
-    dir: &Path,
-    metadata: &Path,
+    path: &Path,
     topics: Option<&Topics>,
     calibration: &Calibration,
     progress: &dyn Progress,
 ) -> Result<Contents, DatasetError> {
-    let metadata = Metadata::read(metadata).map_err(|problem| DatasetError::bad(metadata, problem))?;
-    let chosen =
-        choice::choose(&metadata.topics, topics, calibration).map_err(|p| DatasetError::bad(dir, p))?;
+    let mut notes = Vec::new();
+    let bag = Bag::open(path, &mut notes)?;
+    let chosen = choice::choose(&bag.topics, topics, calibration).map_err(|p| DatasetError::bad(path, p))?;
     let messages = chosen.iter().map(|(_, topic)| topic.count).sum();
-    let bag = Arc::new(Bag::open(dir, metadata)?);
-    let mut scan = Scan::new(bag, chosen, progress.begin(messages, "reading the bag"));
-    for file in 0..scan.bag.files.len() {
-        scan.visit(file)?;
-    }
-    scan.finish(dir)
+    let mut scan = Scan::new(Arc::new(bag), chosen, notes, progress.begin(messages, "reading the bag"));
+    scan.run();
+    scan.finish(path)
 }
 
 /// A message with a frame.
@@ -66,7 +82,7 @@ pub struct Message {
     /// Index of the file.
     file: usize,
     place: Place,
-    stamp_ns: u64,
+    time_ns: u64,
 }
 
 impl Message {
@@ -74,7 +90,7 @@ impl Message {
     pub(super) fn read(&self) -> Result<Frame, DatasetError> {
         let name = &self.bag.files[self.file].name;
         self.pixels().map(Frame::from).map_err(|problem| {
-            let (seconds, ns) = (self.stamp_ns / 1_000_000_000, self.stamp_ns % 1_000_000_000);
+            let (seconds, ns) = (self.time_ns / 1_000_000_000, self.time_ns % 1_000_000_000);
             DatasetError::bad(name, format!("{} at {seconds}.{ns:09} s: {problem}", self.topic.name))
         })
     }
@@ -85,15 +101,11 @@ impl Message {
             Place::Row(id) => sqlite_file::fetch(path, id)?,
             Place::Record { offset, before } => mcap_file::fetch(path, offset, before)?,
         };
-        let bytes = match self.bag.compression {
-            Compression::Messages => zstd::decode_all(&bytes[..]).map_err(|error| error.to_string())?,
-            Compression::None | Compression::Files => bytes,
+        let bytes = match bytes.starts_with(&file::ZSTD) {
+            true => zstd::decode_all(&bytes[..]).map_err(|error| error.to_string())?,
+            false => bytes,
         };
-        if self.topic.is_compressed_image() {
-            message::compressed_image(&bytes)
-        } else {
-            message::image(&bytes)
-        }
+        message::pixels(self.topic.kind(), &bytes)
     }
 
     /// See [`Source::identity`](super::recording::Source::identity).
@@ -101,136 +113,87 @@ impl Message {
         let file = &self.bag.files[self.file];
         format!("{} {} {} {:?}", file.name.display(), file.bytes, self.topic.name, self.place)
     }
+
+    /// File, topic and time, for messages.
+    pub(super) fn name(&self) -> String {
+        let (seconds, ns) = (self.time_ns / 1_000_000_000, self.time_ns % 1_000_000_000);
+        format!("{}: {} at {seconds}.{ns:09} s", self.bag.files[self.file].name.display(), self.topic.name)
+    }
 }
 
-/// The files of a bag.
+/// The files and topics of a bag.
 #[derive(Debug)]
 struct Bag {
-    storage: Storage,
-    compression: Compression,
     files: Vec<BagFile>,
-}
-
-#[derive(Debug)]
-struct BagFile {
-    /// The path as stored in the bag.
-    name: PathBuf,
-    /// Its length there, bytes.
-    bytes: u64,
-    /// The decompressed copy of a file that is compressed as a whole; deleted with the bag.
-    unpacked: Option<TempPath>,
-}
-
-impl BagFile {
-    fn path(&self) -> &Path {
-        self.unpacked.as_deref().unwrap_or(&self.name)
-    }
+    topics: Vec<Topic>,
 }
 
 impl Bag {
-    fn open(dir: &Path, metadata: Metadata) -> Result<Self, DatasetError> {
-        let Metadata { storage, compression, files, .. } = metadata;
-        let open = |name: PathBuf| {
-            let data = std::fs::metadata(&name).map_err(|error| error.to_string());
-            let bytes =
-                data.map_err(|problem| DatasetError::bad(&name, format!("cannot be read: {problem}")))?.len();
-            let unpacked = match compression {
-                Compression::Files => {
-                    Some(unpack(&name).map_err(|error| DatasetError::bad(&name, format!("zstd: {error}")))?)
+    /// Opens the files of a bag; one that cannot be read is left out with a note, as long as another one can.
+    fn open(path: &Path, notes: &mut Vec<String>) -> Result<Self, DatasetError> {
+        let (names, described) = Self::names(path)?;
+        let (mut files, mut first) = (Vec::new(), None);
+        for name in names {
+            match BagFile::open(name.clone()) {
+                Ok(file) => files.push(file),
+                Err(problem) => {
+                    let error = DatasetError::bad(&name, problem);
+                    notes.push(format!("{error}: left out"));
+                    first.get_or_insert(error);
                 }
-                Compression::None | Compression::Messages => None,
-            };
-            Ok(BagFile { name, bytes, unpacked })
-        };
-        let files: Result<_, DatasetError> = files.iter().map(|file| open(dir.join(file))).collect();
-        Ok(Self { storage, compression, files: files? })
-    }
-}
-
-/// Decompresses a file into a temporary one: storages need random access.
-fn unpack(packed: &Path) -> std::io::Result<TempPath> {
-    let mut unpacked = tempfile::NamedTempFile::new()?;
-    zstd::stream::copy_decode(File::open(packed)?, &mut unpacked)?;
-    Ok(unpacked.into_temp_path())
-}
-
-/// The results of scanning a bag.
-struct Scan {
-    bag: Arc<Bag>,
-    topics: Vec<(Role, Arc<Topic>)>,
-    frames: [List<Message>; 2],
-    readings: Vec<Reading>,
-    steps: Box<dyn Steps>,
-}
-
-impl Scan {
-    fn new(bag: Arc<Bag>, topics: Vec<(Role, Topic)>, steps: Box<dyn Steps>) -> Self {
-        let topics = topics.into_iter().map(|(role, topic)| (role, Arc::new(topic))).collect();
-        Self { bag, topics, frames: [List::new(), List::new()], readings: Vec::new(), steps }
-    }
-
-    fn visit(&mut self, file: usize) -> Result<(), DatasetError> {
-        let bag = Arc::clone(&self.bag);
-        let names: Vec<String> = self.topics.iter().map(|(_, topic)| topic.name.clone()).collect();
-        let mut take = |topic: usize, place: Place, input: &mut dyn Read| {
-            self.steps.step();
-            self.take(topic, file, place, input).map_err(|problem| format!("{}: {problem}", names[topic]))
-        };
-        let file = &bag.files[file];
-        let visited = match bag.storage {
-            Storage::Sqlite => sqlite_file::visit(file.path(), &names, &mut take),
-            Storage::Mcap => mcap_file::visit(file.path(), &names, &mut take),
-        };
-        visited.map_err(|problem| DatasetError::bad(&file.name, problem))
-    }
-
-    fn take(&mut self, topic: usize, file: usize, place: Place, input: &mut dyn Read) -> Result<(), String> {
-        let mut unpacked;
-        let input: &mut dyn Read = match self.bag.compression {
-            Compression::Messages => {
-                unpacked = zstd::Decoder::new(input).map_err(|error| error.to_string())?;
-                &mut unpacked
-            }
-            Compression::None | Compression::Files => input,
-        };
-        let (role, topic) = &self.topics[topic];
-        match role {
-            Role::Camera(camera) => {
-                let (bag, topic) = (Arc::clone(&self.bag), Arc::clone(topic));
-                let stamp_ns = message::stamp(input)?;
-                let message = Message { bag, topic, file, place, stamp_ns };
-                match self.frames[*camera].insert(stamp_ns, message) {
-                    Some(_) => Err(format!("two messages have the stamp {stamp_ns} ns")),
-                    None => Ok(()),
-                }
-            }
-            Role::Imu => {
-                self.readings.push(message::imu(input)?);
-                Ok(())
             }
         }
+        match first {
+            Some(error) if files.is_empty() => return Err(error),
+            _ => {}
+        }
+        let topics = match described {
+            Some(topics) => topics,
+            None => Self::topics(&files)?,
+        };
+        Ok(Self { files, topics })
     }
 
-    fn finish(self, dir: &Path) -> Result<Contents, DatasetError> {
-        let mut topics = Topics::default();
-        let mut imu = None;
-        for (role, Topic { name, .. }) in self.topics.iter().map(|(role, topic)| (role, &**topic)) {
-            let is_empty = match *role {
-                Role::Camera(camera) => {
-                    topics.cameras[camera] = Some(name.clone());
-                    self.frames[camera].is_empty()
-                }
-                Role::Imu => {
-                    topics.imu = Some(name.clone());
-                    imu = Some(dir.join(name.trim_start_matches('/')));
-                    self.readings.is_empty()
-                }
+    /// The files of a bag, and its topics if metadata say them.
+    fn names(path: &Path) -> Result<(Vec<PathBuf>, Option<Vec<Topic>>), DatasetError> {
+        let described = path.join(METADATA);
+        if path.is_file() {
+            return Ok((vec![path.to_path_buf()], None));
+        }
+        if !described.exists() {
+            return Ok((file::storages(path), None));
+        }
+        let metadata =
+            Metadata::read(&described).map_err(|problem| DatasetError::bad(&described, problem))?;
+        Ok((metadata.files.iter().map(|file| path.join(file)).collect(), Some(metadata.topics)))
+    }
+
+    /// The topics that the files themselves list.
+    fn topics(files: &[BagFile]) -> Result<Vec<Topic>, DatasetError> {
+        let mut all: Vec<Topic> = Vec::new();
+        let mut first = None;
+        for file in files {
+            let topics = match file.storage {
+                Storage::Sqlite => sqlite_file::topics(file.path()),
+                Storage::Mcap => mcap_file::topics(file.path()),
             };
-            if is_empty {
-                return Err(DatasetError::bad(dir, format!("{name}: no messages")));
+            match topics {
+                Ok(topics) => {
+                    for topic in topics {
+                        match all.iter_mut().find(|known| known.name == topic.name) {
+                            Some(known) => known.count += topic.count,
+                            None => all.push(topic),
+                        }
+                    }
+                }
+                Err(problem) => {
+                    first.get_or_insert(DatasetError::bad(&file.name, problem));
+                }
             }
         }
-        let imu = imu.map(|name| Readings::new(name, self.readings));
-        Ok(Contents { frames: self.frames, imu, topics })
+        match first {
+            Some(error) if all.is_empty() => Err(error),
+            _ => Ok(all),
+        }
     }
 }
