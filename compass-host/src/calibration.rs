@@ -2,7 +2,7 @@
 //!
 //! | file | read of it |
 //! |---|---|
-//! | Kalibr `camchain.yaml`, `camchain-imucam.yaml`, OpenVINS | cameras `cam0`, `cam1`, ...; `rostopic` of `imu0` |
+//! | Kalibr `camchain.yaml`, `camchain-imucam.yaml`, `OpenVINS` | cameras `cam0`, `cam1`, ...; `rostopic` of `imu0` |
 //! | Basalt JSON (`value0`) | `T_imu_cam`, `intrinsics`, `resolution`, `cam_time_offset_ns` |
 //! | ROS `camera_info` YAML | one camera |
 //!

@@ -1,4 +1,4 @@
-//! Camera chains as Kalibr writes them (`camchain.yaml`, `camchain-imucam.yaml`), and as OpenVINS reads them.
+//! Camera chains as Kalibr writes them (`camchain.yaml`, `camchain-imucam.yaml`), and as `OpenVINS` reads them.
 
 use super::camera::{AGREEING, CalibratedCamera, Entry, Place};
 use super::error::Refusal;
@@ -50,8 +50,8 @@ fn place(node: &Node) -> Result<Place, Refusal> {
 }
 
 fn camera(node: &Node, place: Place) -> Result<CalibratedCamera, Refusal> {
-    let resolution = lens::resolution(NAMES.resolution, &numbers(node, NAMES.resolution)?)?;
     let (model, pinhole) = model(node)?;
+    let resolution = lens::resolution(NAMES.resolution, &numbers(node, NAMES.resolution)?)?;
     let camera = lens::checked(&NAMES, model, pinhole, resolution)?;
     let timeshift_s = match node.get("timeshift_cam_imu") {
         None => 0.0,

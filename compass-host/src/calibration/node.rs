@@ -26,7 +26,7 @@ impl Node {
         if let Self::Map(entries) = self { entries } else { &[] }
     }
 
-    /// A number; quotes around it do not matter, as to OpenCV and yaml-cpp.
+    /// A number; quotes around it do not matter, as to `OpenCV` and yaml-cpp.
     pub(super) fn number(&self) -> Option<f64> {
         match self {
             Self::Number(number) => Some(*number),
@@ -43,13 +43,13 @@ impl Node {
         if let Self::List(list) = self { Some(list) } else { None }
     }
 
-    /// A list of numbers, also as the `data` of a matrix of OpenCV or ROS.
+    /// A list of numbers, also as the `data` of a matrix of `OpenCV` or ROS.
     pub(super) fn numbers(&self) -> Option<Vec<f64>> {
         let list = self.get("data").unwrap_or(self).list()?;
         list.iter().map(Self::number).collect()
     }
 
-    /// A matrix of four columns: a list of rows, a flat list, or the `data` of a matrix of OpenCV.
+    /// A matrix of four columns: a list of rows, a flat list, or the `data` of a matrix of `OpenCV`.
     pub(super) fn rows_of_4(&self) -> Option<Vec<Vec<f64>>> {
         let list = self.get("data").unwrap_or(self).list()?;
         if list.iter().all(|row| row.list().is_some()) {

@@ -19,7 +19,7 @@ use std::path::PathBuf;
 /// A calibration and the frames of one or two cameras.
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct CameraArgs {
-    /// Camera calibration: a camera chain of Kalibr or OpenVINS, a camera_info of ROS, or one of Basalt
+    /// Camera calibration: a camera chain of Kalibr, .yaml, or what Basalt and ROS write
     #[arg(long, value_name = "FILE")]
     calib: Option<PathBuf>,
     /// Cameras of the calibration that are cam0 and cam1 [default: cam0,cam1]

@@ -32,6 +32,15 @@ struct Look {
     has_sky: bool,
 }
 
+/// The frames of an instant.
+struct Instant {
+    /// Index of the locator for their sizes.
+    locator: usize,
+    frames: [Option<Frame>; 2],
+    /// How both lenses lay in one image, if they did.
+    halves: Option<Halves>,
+}
+
 /// Sizes of the frames of the two cameras.
 type Sizes = [Option<(u32, u32)>; 2];
 
@@ -89,7 +98,7 @@ impl<'a> Worker<'a> {
         let up =
             UpSources { from: UpFrom::Both, mount: self.job.mount, imu: self.job.gravity(shot.timestamp_ns) };
         match read {
-            Ok((locator, frames, halves)) => {
+            Ok(Instant { locator, frames, halves }) => {
                 record.halves = halves.map(|halves| halves.note().to_owned());
                 let frames = frames.each_ref().map(Option::as_ref);
                 match self.see(locator, frames, &up, &mut clock) {
@@ -107,8 +116,8 @@ impl<'a> Worker<'a> {
         Ok(record)
     }
 
-    /// The frames of an instant, and the index of the locator for their sizes; or what is wrong with them.
-    fn read(&mut self, shot: &Shot) -> Result<(usize, [Option<Frame>; 2], Option<Halves>), String> {
+    /// The frames of an instant, or what is wrong with them.
+    fn read(&mut self, shot: &Shot) -> Result<Instant, String> {
         let read = |camera: usize| shot.images[camera].as_ref().map(Source::read).transpose();
         let frames = [read(0).map_err(|e| e.to_string())?, read(1).map_err(|e| e.to_string())?];
         let (frames, halves) = dual_image::split(self.job.calibration, frames);
@@ -125,7 +134,7 @@ impl<'a> Worker<'a> {
                 self.locators.len() - 1
             }
         };
-        Ok((locator, frames, halves))
+        Ok(Instant { locator, frames, halves })
     }
 
     /// The evidence of the frames with each up vector that may be right, and the source of those; or why there is none.

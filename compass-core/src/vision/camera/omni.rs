@@ -176,8 +176,8 @@ impl Omni {
 
     pub(super) fn unproject(&self, pixel: Pixel) -> Option<Bearing> {
         let Plane { x, y, radius } = self.intrinsics.plane(pixel);
-        // This comparison rejects NaN too.
-        if !(radius <= 2.0 * WIDEST_RADIUS) {
+        // The image of the field lies within this radius.
+        if radius.is_nan() || radius > 2.0 * WIDEST_RADIUS {
             return None;
         }
         let [x, y] = self.undistort([x, y])?;

@@ -38,7 +38,7 @@ pub(super) struct Evaluate {
     /// The site file
     #[arg(long, value_name = "FILE")]
     map: PathBuf,
-    /// Camera calibration: a camera chain of Kalibr or OpenVINS, a camera_info of ROS, or one of Basalt
+    /// Camera calibration: a camera chain of Kalibr, .yaml, or what Basalt and ROS write
     #[arg(long, value_name = "FILE")]
     calib: PathBuf,
     /// Cameras of the calibration that are cam0 and cam1 [default: cam0,cam1]

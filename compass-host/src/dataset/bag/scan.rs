@@ -1,10 +1,11 @@
 //! One pass over a bag, for the times of its frames and the readings of its IMU.
 
 use super::choice::Role;
+use super::contents::{Bag, Contents, Message};
 use super::file::{Storage, ZSTD};
 use super::place::{Found, Place};
 use super::topic::Topic;
-use super::{Bag, Contents, Message, mcap_file, message, sqlite_file};
+use super::{mcap_file, message, sqlite_file};
 use crate::dataset::error::DatasetError;
 use crate::dataset::faults::{Faults, Item};
 use crate::dataset::imu::{Reading, Readings};
@@ -22,9 +23,16 @@ struct Timed<T> {
     /// By its header; 0 if that is not set.
     stamp_ns: u64,
     recorded_ns: u64,
-    /// Where it is, for messages.
-    place: String,
+    at: At,
     item: T,
+}
+
+/// Where a message is.
+#[derive(Clone, Copy)]
+struct At {
+    /// Index of the file.
+    file: usize,
+    place: Place,
 }
 
 /// The results of scanning a bag.
@@ -92,18 +100,14 @@ impl Scan {
         self.steps.step();
         let name = &self.names[topic];
         let serving: Vec<_> = self.roles.iter().filter(|(_, topic)| topic.name == *name).cloned().collect();
-        let at = match place {
-            Place::Row(id) => format!("row {id}"),
-            Place::Record { offset, before } => format!("byte {offset}, message {before}"),
-        };
-        let at = format!("{}: {name}, {at}", self.bag.files[file].name.display());
+        let at = At { file, place };
         let is_imu = serving.iter().any(|(role, _)| *role == Role::Imu);
         if is_imu {
             match plain(bytes).and_then(message::imu) {
                 Ok((stamp_ns, item)) => {
-                    self.readings.push(Timed { stamp_ns, recorded_ns, place: at, item });
+                    self.readings.push(Timed { stamp_ns, recorded_ns, at, item });
                 }
-                Err(problem) => self.faults.add(Item::Reading, at, problem),
+                Err(problem) => self.leave_out(Item::Reading, topic, at, problem),
             }
             return;
         }
@@ -112,11 +116,32 @@ impl Scan {
                 for (role, topic) in serving {
                     let Role::Camera(camera) = role else { continue };
                     let item = Message { bag: Arc::clone(&self.bag), topic, file, place, time_ns: stamp_ns };
-                    self.frames[camera].push(Timed { stamp_ns, recorded_ns, place: at.clone(), item });
+                    self.frames[camera].push(Timed { stamp_ns, recorded_ns, at, item });
                 }
             }
-            Err(problem) => self.faults.add(Item::Frame, at, problem),
+            Err(problem) => self.leave_out(Item::Frame, topic, at, problem),
         }
+    }
+
+    /// Leaves out a message of a topic.
+    fn leave_out(&mut self, item: Item, topic: usize, at: At, problem: impl Into<String>) {
+        let name = self.names[topic].clone();
+        self.leave_out_named(item, &name, at, problem);
+    }
+
+    fn leave_out_named(
+        &mut self,
+        item: Item,
+        topic: &str,
+        At { file, place }: At,
+        problem: impl Into<String>,
+    ) {
+        let place = match place {
+            Place::Row(id) => format!("row {id}"),
+            Place::Record { offset, before } => format!("byte {offset}, message {before}"),
+        };
+        let file = self.bag.files[file].name.display();
+        self.faults.add(item, format!("{file}: {topic}, {place}"), problem);
     }
 
     pub(super) fn finish(mut self, path: &Path) -> Result<Contents, DatasetError> {
@@ -164,15 +189,16 @@ impl Scan {
         }
         let by_recording = self.lacks_stamps(name, &found);
         let mut frames = List::new();
-        for Timed { stamp_ns, recorded_ns, place, item } in found {
+        for Timed { stamp_ns, recorded_ns, at, item } in found {
             let time_ns = if by_recording { recorded_ns } else { stamp_ns };
             if time_ns == 0 {
-                self.faults.add(Item::Frame, place, "its stamp is 0");
+                self.leave_out_named(Item::Frame, name, at, "its stamp is 0");
                 continue;
             }
             match frames.entry(time_ns) {
                 Entry::Occupied(_) => {
-                    self.faults.add(Item::Frame, place, format!("another frame has the stamp {time_ns} ns"));
+                    let problem = format!("another frame has the stamp {time_ns} ns");
+                    self.leave_out_named(Item::Frame, name, at, problem);
                 }
                 Entry::Vacant(free) => {
                     free.insert(Message { time_ns, ..item });
@@ -190,9 +216,9 @@ impl Scan {
         }
         let by_recording = self.lacks_stamps(name, &found);
         let mut readings = Vec::new();
-        for Timed { stamp_ns, recorded_ns, place, item: acceleration } in found {
+        for Timed { stamp_ns, recorded_ns, at, item: acceleration } in found {
             match if by_recording { recorded_ns } else { stamp_ns } {
-                0 => self.faults.add(Item::Reading, place, "its stamp is 0"),
+                0 => self.leave_out_named(Item::Reading, name, at, "its stamp is 0"),
                 timestamp_ns => readings.push(Reading { timestamp_ns, acceleration }),
             }
         }
