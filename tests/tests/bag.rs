@@ -141,12 +141,35 @@ fn files_that_hold_nothing_are_named() {
     refused(&bag, &Layout::ALL, foreign, &["bag_0.", "neither an MCAP nor an SQLite file"]);
     let gone = |folder: &Path| files(folder).iter().for_each(|file| std::fs::remove_file(file).unwrap());
     refused(&bag, &Layout::ALL, gone, &["bag_0.", "cannot be read"]);
-    let metadata = |folder: &Path| {
-        let path = folder.join("metadata.yaml");
-        let text = std::fs::read_to_string(&path).unwrap();
-        std::fs::write(path, text.replace("relative_file_paths", "paths")).unwrap();
+    let alone = |folder: &Path| {
+        gone(folder);
+        std::fs::write(folder.join("metadata.yaml"), "").unwrap();
     };
-    refused(&bag, &[Layout::Sqlite, Layout::McapZstd], metadata, &["metadata.yaml: ", "relative_file_paths"]);
+    refused(&bag, &[Layout::Sqlite], alone, &["metadata.yaml: no metadata of a ROS 2 bag"]);
+}
+
+#[test]
+fn metadata_that_cannot_be_read_are_passed_over() {
+    for layout in Layout::ALL {
+        let folder = tempfile::tempdir().unwrap();
+        small().write(folder.path(), layout);
+        std::fs::write(folder.path().join("metadata.yaml"), "").unwrap();
+        let recording = read(folder.path()).unwrap();
+        assert_eq!(recording.shots.len(), 5, "{layout:?}");
+        assert!(recording.notes[0].contains("the files beside it are read"), "{:?}", recording.notes);
+    }
+}
+
+#[test]
+fn files_may_be_renamed() {
+    let folder = tempfile::tempdir().unwrap();
+    small().write(folder.path(), Layout::McapZstd);
+    for (number, file) in files(folder.path()).iter().enumerate() {
+        std::fs::rename(file, folder.path().join(format!("tour_{number}.mcap"))).unwrap();
+    }
+    let recording = read(folder.path()).unwrap();
+    assert_eq!(recording.shots.len(), 5);
+    assert!(recording.notes[0].contains("none of its files is there"), "{:?}", recording.notes);
 }
 
 #[test]

@@ -118,6 +118,8 @@ impl Pose {
 const TUM: [usize; 7] = [1, 2, 3, 4, 5, 6, 7];
 /// Columns of a state file of `EuRoC`: its quaternion begins with w.
 const STATE: [usize; 7] = [1, 2, 3, 5, 6, 7, 4];
+/// Number of columns of KITTI: three rows of a matrix.
+const KITTI_COLUMNS: usize = 12;
 /// Number of columns of a state file: with velocity and biases.
 const STATE_COLUMNS: usize = 17;
 
@@ -141,6 +143,9 @@ impl Layout {
         }
         if row.len() == STATE_COLUMNS && row.has_commas() {
             return Ok(Self { columns: STATE, unit: told });
+        }
+        if row.len() == KITTI_COLUMNS && row.header.is_none() {
+            return Err("has 12 fields, which looks like a pose of KITTI: it has no time".to_owned());
         }
         if row.len() > TUM[6] {
             return Ok(Self { columns: TUM, unit: told.or(Some(TimeUnit::Seconds)) });
@@ -253,6 +258,7 @@ mod tests {
             ("1 2 x 4 0 0 0 1", "ty is 'x'"),
             ("1 2 inf 4 0 0 0 1", "ty is 'inf'"),
             ("-1 2 3 4 0 0 0 1", "timestamp is '-1'"),
+            ("1 0 0 0 0 1 0 0 0 0 1 0", "looks like a pose of KITTI"),
             ("100000000000 2 3 4 0 0 0 1", "looks like nanoseconds"),
             ("1 2 3 4 0 0 0 2", "length 2.000"),
         ] {

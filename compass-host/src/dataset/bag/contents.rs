@@ -89,7 +89,7 @@ pub(super) struct Bag {
 impl Bag {
     /// Opens the files of a bag; one that cannot be read is left out with a note, as long as another one can.
     pub(super) fn open(path: &Path, notes: &mut Vec<String>) -> Result<Self, DatasetError> {
-        let (names, described) = Self::names(path)?;
+        let (names, described) = Self::names(path, notes)?;
         let (mut files, mut first) = (Vec::new(), None);
         for name in names {
             match BagFile::open(name.clone()) {
@@ -113,7 +113,10 @@ impl Bag {
     }
 
     /// The files of a bag, and its topics if metadata say them.
-    fn names(path: &Path) -> Result<(Vec<PathBuf>, Option<Vec<Topic>>), DatasetError> {
+    fn names(
+        path: &Path,
+        notes: &mut Vec<String>,
+    ) -> Result<(Vec<PathBuf>, Option<Vec<Topic>>), DatasetError> {
         let described = path.join(METADATA);
         if path.is_file() {
             return Ok((vec![path.to_path_buf()], None));
@@ -121,9 +124,27 @@ impl Bag {
         if !described.exists() {
             return Ok((file::storages(path), None));
         }
-        let metadata =
-            Metadata::read(&described).map_err(|problem| DatasetError::bad(&described, problem))?;
-        Ok((metadata.files.iter().map(|file| path.join(file)).collect(), Some(metadata.topics)))
+        match Metadata::read(&described) {
+            Ok(metadata) => {
+                let listed: Vec<_> = metadata.files.iter().map(|file| path.join(file)).collect();
+                let there = file::storages(path);
+                if there.is_empty() || listed.iter().any(|file| file.exists()) {
+                    return Ok((listed, Some(metadata.topics)));
+                }
+                let described = described.display();
+                notes.push(format!("{described}: none of its files is there; those beside it are read"));
+                Ok((there, None))
+            }
+            // A recorder that lost power leaves none, or an empty one.
+            Err(problem) => {
+                let (error, files) = (DatasetError::bad(&described, problem), file::storages(path));
+                if files.is_empty() {
+                    return Err(error);
+                }
+                notes.push(format!("{error}; the files beside it are read"));
+                Ok((files, None))
+            }
+        }
     }
 
     /// The topics that the files themselves list.
