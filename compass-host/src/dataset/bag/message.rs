@@ -37,7 +37,7 @@ struct Image<'a> {
 #[derive(Deserialize)]
 struct CompressedImage<'a> {
     _header: Header,
-    _format: String,
+    format: String,
     data: &'a [u8],
 }
 
@@ -55,7 +55,7 @@ struct FoxgloveImage<'a> {
 struct FoxgloveCompressedImage<'a> {
     _header: Header,
     data: &'a [u8],
-    _format: String,
+    format: String,
 }
 
 #[derive(Deserialize)]
@@ -93,7 +93,6 @@ pub(super) fn imu(mut message: impl Read) -> Result<(u64, Vector3<f64>), String>
 
 /// The pixels of an image of any kind; what is compressed is recognised by its content, not by its `format` field.
 pub(super) fn pixels(kind: Kind, message: &[u8]) -> Result<Pixels, String> {
-    let compressed = |data: &[u8]| image_file::decode(data).map_err(|error| error.to_string());
     match kind {
         Kind::Image => {
             let Image { height, width, encoding, is_bigendian, step, data, .. } = decode(message)?;
@@ -103,10 +102,26 @@ pub(super) fn pixels(kind: Kind, message: &[u8]) -> Result<Pixels, String> {
             let FoxgloveImage { width, height, encoding, step, data, .. } = decode(message)?;
             raw((width, height), &encoding, false, step, data)
         }
-        Kind::CompressedImage => compressed(decode::<CompressedImage<'_>>(message)?.data),
-        Kind::FoxgloveCompressedImage => compressed(decode::<FoxgloveCompressedImage<'_>>(message)?.data),
+        Kind::CompressedImage => {
+            let CompressedImage { format, data, .. } = decode(message)?;
+            compressed(&format, data)
+        }
+        Kind::FoxgloveCompressedImage => {
+            let FoxgloveCompressedImage { data, format, .. } = decode(message)?;
+            compressed(&format, data)
+        }
         Kind::Imu | Kind::Video | Kind::Other => Err("is no image".to_owned()),
     }
+}
+
+/// Formats of video that some drivers put into messages for images.
+const VIDEO: [&str; 5] = ["h264", "h265", "hevc", "vp9", "av1"];
+
+fn compressed(format: &str, data: &[u8]) -> Result<Pixels, String> {
+    image_file::decode(data).map_err(|error| {
+        let is_video = VIDEO.iter().any(|video| format.to_lowercase().contains(video));
+        if is_video { format!("its format is '{format}': video is not read") } else { error.to_string() }
+    })
 }
 
 fn raw(
@@ -205,6 +220,9 @@ mod tests {
         }
         let foreign = pixels(Kind::CompressedImage, &message(&(HEAD, "jpeg", &b"GIF89a"[..]))).unwrap_err();
         assert!(foreign.contains("not a PNG, JPEG"), "{foreign}");
+        let video =
+            pixels(Kind::CompressedImage, &message(&(HEAD, "h264", &[0_u8, 0, 0, 1, 9][..]))).unwrap_err();
+        assert!(video.contains("'h264': video is not read"), "{video}");
         assert!(stamp(&[0, 1, 0, 0, 1][..]).unwrap_err().contains("within its header"));
         let before: Head<'_> = ((-1, 0), "");
         assert!(stamp(&message(&before)[..]).unwrap_err().contains("-1 s"));
