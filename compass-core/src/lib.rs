@@ -159,7 +159,9 @@ pub use pose::heights::HeightPrior;
 pub use pose::track::{Estimate, Motion, Track};
 pub use pose::{Fix, ScoredPose};
 pub use vision::attitude::UpHint;
-pub use vision::camera::{Bearing, Camera, CameraError, Eucm, Intrinsics, KannalaBrandt, Rig, View};
+pub use vision::camera::{
+    Bearing, Camera, CameraError, DoubleSphere, Eucm, Intrinsics, KannalaBrandt, Omni, Radtan, Rig, View,
+};
 pub use vision::sample::ExclusionMask;
 
 /// The README's example, compiled.

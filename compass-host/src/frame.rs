@@ -75,6 +75,22 @@ impl Frame {
         self.rgb.as_deref()
     }
 
+    /// The part of the frame from a corner on, both in pixels; what lies outside the frame is left out.
+    ///
+    /// # Panics
+    /// Never: rows are cut within the frame.
+    #[must_use]
+    pub(crate) fn cropped(&self, [left, top]: [u32; 2], [width, height]: [u32; 2]) -> Self {
+        let (left, top) = (left.min(self.width - 1), top.min(self.height - 1));
+        let (width, height) = (width.clamp(1, self.width - left), height.clamp(1, self.height - top));
+        let cut = |samples: &[u8], count: usize| {
+            let [left, width, full] = [left, width, self.width].map(|pixels| pixels as usize * count);
+            let rows = samples.chunks_exact(full).skip(top as usize).take(height as usize);
+            rows.flat_map(|row| &row[left..left + width]).copied().collect::<Vec<u8>>()
+        };
+        Self { width, height, gray: cut(&self.gray, 1), rgb: self.rgb.as_ref().map(|rgb| cut(rgb, 3)) }
+    }
+
     /// The red pixels, in the layout of [`BitMask`].
     #[must_use]
     pub fn red_mask(&self) -> Vec<u8> {

@@ -4,6 +4,7 @@ use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
 use image::error::ImageError;
+use image::metadata::Orientation;
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 
 use thiserror::Error;
@@ -72,7 +73,7 @@ pub struct Pixels {
 }
 
 /// Gray stays gray: such an image has no red, and is classified faster.
-#[derive(Debug)]
+#[derive(Debug, PartialEq, Eq)]
 pub enum Samples {
     /// One byte per pixel.
     Gray(Vec<u8>),
@@ -97,7 +98,7 @@ impl Pixels {
     }
 }
 
-/// Decodes the image at `path`; the extension is ignored.
+/// Decodes the image at `path`; the extension is ignored. It is turned as its orientation in EXIF or TIFF says.
 ///
 /// # Errors
 /// [`ImageFileError`] for a file that is missing, not an image, damaged, truncated or too large.
@@ -112,28 +113,49 @@ pub fn read(path: &Path) -> Result<Pixels, ImageFileError> {
 /// # Errors
 /// [`DecodeError`] for bytes that are not an image, damaged, truncated or too large.
 pub fn decode(bytes: &[u8]) -> Result<Pixels, DecodeError> {
-    let damaged = |error: ImageError| DecodeError::Damaged { reason: one_line(&error.to_string()) };
     let format = image::guess_format(bytes).map_err(|_| DecodeError::NotAnImage)?;
     if !format.reading_enabled() {
         return Err(DecodeError::NotAnImage);
     }
-    if format == ImageFormat::Jpeg && !jpeg_is_complete(bytes) {
-        let reason = "the JPEG data stops before its end marker".to_owned();
-        return Err(DecodeError::Damaged { reason });
+    if format == ImageFormat::Jpeg && !jpeg_is_ended(bytes) {
+        return jpeg_without_end(bytes);
     }
+    decode_as(format, bytes)
+}
+
+fn decode_as(format: ImageFormat, bytes: &[u8]) -> Result<Pixels, DecodeError> {
+    let damaged = |error: ImageError| DecodeError::Damaged { reason: one_line(&error.to_string()) };
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     let mut limits = Limits::no_limits();
     limits.max_alloc = Some(MAX_DECODED_BYTES);
     reader.limits(limits);
-    let decoder = reader.into_decoder().map_err(damaged)?;
+    let mut decoder = reader.into_decoder().map_err(damaged)?;
     let (width, height) = decoder.dimensions();
     check_size(width, height)?;
     if decoder.total_bytes() > MAX_DECODED_BYTES {
         let reason = format!("its header claims {width} x {height} pixels, which need more than 4 GiB");
         return Err(DecodeError::Damaged { reason });
     }
-    let image = DynamicImage::from_decoder(decoder).map_err(damaged)?;
+    // An orientation that cannot be read is none, as to viewers.
+    let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
+    let mut image = DynamicImage::from_decoder(decoder).map_err(damaged)?;
+    image.apply_orientation(orientation);
+    let (width, height) = (image.width(), image.height());
     Ok(Pixels { width, height, samples: samples(image) })
+}
+
+/// Decodes a JPEG image that lacks its end marker, as some cameras leave it off: it is whole if its pixels do not depend
+/// on what follows.
+fn jpeg_without_end(bytes: &[u8]) -> Result<Pixels, DecodeError> {
+    let reason = "the JPEG data stops before its end marker".to_owned();
+    // A last byte 0xff is half a marker.
+    let bytes = bytes.strip_suffix(&[0xff]).unwrap_or(bytes);
+    let ended =
+        |filling: u8| decode_as(ImageFormat::Jpeg, &[bytes, &[filling; JPEG_FILLING], &JPEG_END].concat());
+    match (ended(0x00), ended(0x5a)) {
+        (Ok(a), Ok(b)) if a.samples == b.samples => Ok(a),
+        _ => Err(DecodeError::Damaged { reason }),
+    }
 }
 
 /// Whether both sides of an image are within the supported range.
@@ -149,10 +171,16 @@ pub(crate) fn one_line(message: &str) -> String {
     message.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
+/// The end marker of a JPEG image.
+const JPEG_END: [u8; 2] = [0xff, 0xd9];
+
+/// Bytes that stand for missing ones; enough to show in the first block that lacks its data.
+const JPEG_FILLING: usize = 256;
+
 /// Whether an end marker follows the last scan; the decoder itself fills missing data with gray.
-fn jpeg_is_complete(bytes: &[u8]) -> bool {
+fn jpeg_is_ended(bytes: &[u8]) -> bool {
     let marker = |code: u8| bytes.windows(2).rposition(|pair| pair == [0xff, code]);
-    marker(0xd9) > marker(0xda)
+    marker(JPEG_END[1]) > marker(0xda)
 }
 
 fn samples(image: DynamicImage) -> Samples {
@@ -193,8 +221,60 @@ mod tests {
 
     #[test]
     fn end_marker_must_follow_the_scan() {
-        assert!(jpeg_is_complete(&[0xff, 0xda, 1, 2, 0xff, 0xd9]));
-        assert!(!jpeg_is_complete(&[0xff, 0xd9, 0xff, 0xda, 1, 2]), "only the thumbnail ends");
-        assert!(!jpeg_is_complete(&[0xff, 0xd8]));
+        assert!(jpeg_is_ended(&[0xff, 0xda, 1, 2, 0xff, 0xd9]));
+        assert!(!jpeg_is_ended(&[0xff, 0xd9, 0xff, 0xda, 1, 2]), "only the thumbnail ends");
+        assert!(!jpeg_is_ended(&[0xff, 0xd8]));
+    }
+
+    /// A JPEG image of a gradient with detail, gray or in colour.
+    fn jpeg(is_gray: bool) -> Vec<u8> {
+        let value = |x: u32, y: u32| ((7 * x + 3 * y) % 200 + (x * y) % 50) as u8;
+        let picture = image::RgbImage::from_fn(45, 37, |x, y| image::Rgb([value(x, y), value(y, x), 90]));
+        let picture = DynamicImage::ImageRgb8(picture);
+        let mut bytes = Cursor::new(Vec::new());
+        let picture = if is_gray { picture.to_luma8().into() } else { picture };
+        picture.write_to(&mut bytes, ImageFormat::Jpeg).unwrap();
+        bytes.into_inner()
+    }
+
+    #[test]
+    fn only_the_end_marker_may_be_missing() {
+        for is_gray in [false, true] {
+            let whole = jpeg(is_gray);
+            let expected = decode(&whole).unwrap().samples;
+            let data = whole.strip_suffix(&JPEG_END).unwrap();
+            assert!(decode(data).unwrap().samples == expected);
+            assert!(decode(&[data, &[0xff]].concat()).unwrap().samples == expected);
+            for missing in [8, 20, 60, 200, data.len() / 2] {
+                let error = decode(&data[..data.len() - missing]).unwrap_err().to_string();
+                assert!(error.contains("stops before its end marker"), "{missing}: {error}");
+            }
+        }
+    }
+
+    /// The picture with an EXIF orientation: its segment follows the start marker.
+    fn turned(jpeg: &[u8], orientation: u8) -> Vec<u8> {
+        let mut exif = b"\xff\xe1\x00\x22Exif\0\0II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0".to_vec();
+        exif.extend([orientation, 0, 0, 0, 0, 0, 0, 0]);
+        [&jpeg[..2], &exif, &jpeg[2..]].concat()
+    }
+
+    #[test]
+    fn images_are_turned_as_they_say() {
+        let upright = jpeg(true);
+        let plain = decode(&upright).unwrap();
+        let Samples::Gray(plain_gray) = &plain.samples else { panic!("gray") };
+        let at = |x: u32, y: u32| plain_gray[(y * plain.width + x) as usize];
+        for (orientation, size, corner) in [
+            (1, (45, 37), at(0, 0)),
+            (3, (45, 37), at(44, 36)),
+            (6, (37, 45), at(0, 36)),
+            (8, (37, 45), at(44, 0)),
+        ] {
+            let found = decode(&turned(&upright, orientation)).unwrap();
+            assert_eq!((found.width, found.height), size, "{orientation}");
+            let Samples::Gray(gray) = found.samples else { panic!("gray") };
+            assert_eq!(gray[0], corner, "{orientation}");
+        }
     }
 }

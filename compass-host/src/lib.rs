@@ -47,7 +47,7 @@
 //! | [`plan_import`] | plan files as rasters of walls and glazing |
 //! | [`site`], [`site_file`] | packed plans, site maps, files of floors |
 //! | [`reference`](mod@reference) | the method once more, in plain floats |
-//! | [`calibration`], [`dataset`] | lenses and rigs; recordings, trajectories, IMU |
+//! | [`calibration`], [`dual_image`], [`dataset`] | lenses and rigs; both lenses in one image; recordings, trajectories, IMU |
 //! | [`locator`], [`up`], [`localize`](mod@localize), [`doubt`] | from a pair of frames to a pose, or why there is none |
 //! | [`visual_descriptor`] | what a pair of frames shows |
 //! | [`wall_check`] | which walls of a plan stand |
@@ -68,6 +68,7 @@ pub mod compare;
 pub mod cross_modal;
 pub mod dataset;
 pub mod doubt;
+pub mod dual_image;
 pub mod evaluate;
 pub mod figures;
 pub mod frame;

@@ -120,6 +120,17 @@ impl Bag {
         self.push(topic, stamp_ns, &(size.1, size.0, encoding, 0_u8, step, data));
     }
 
+    /// Adds a `sensor_msgs/msg/Image` of one pixel with this stamp, recorded at another time.
+    ///
+    /// # Panics
+    /// When it cannot be encoded.
+    pub fn push_image_at(&mut self, topic: usize, stamp_ns: u64, recorded_ns: u64) {
+        let stamp = ((stamp_ns / 1_000_000_000) as i32, (stamp_ns % 1_000_000_000) as u32);
+        let message = ((stamp, "frame"), 1_u32, 1_u32, "mono8", 0_u8, 1_u32, &[7_u8][..]);
+        let body = cdr_encoding::to_vec::<_, LittleEndian>(&message).expect("message is encoded");
+        self.push_raw(topic, recorded_ns, [&[0, 1, 0, 0][..], &body].concat());
+    }
+
     /// Adds a `sensor_msgs/msg/CompressedImage`.
     pub fn push_compressed(&mut self, topic: usize, stamp_ns: u64, file: &[u8]) {
         self.push(topic, stamp_ns, &("jpeg", file));

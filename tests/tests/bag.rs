@@ -27,7 +27,7 @@ fn stamp(camera: u8, frame: u8) -> u64 {
 fn small() -> Bag {
     let mut bag = Bag::new();
     let other = bag.topic("/tf", "tf2_msgs/msg/TFMessage");
-    let cameras = [bag.topic("/left/image", IMAGE), bag.topic("/right/image", IMAGE)];
+    let cameras = [bag.topic("/cam0/image", IMAGE), bag.topic("/cam1/image", IMAGE)];
     let imu = bag.topic("/imu", IMU);
     for frame in 0..5 {
         for camera in [0, 1] {
@@ -56,12 +56,16 @@ fn read(folder: &Path) -> Result<Recording, String> {
 fn all_ways_of_storing_read_alike() {
     let folder = tempfile::tempdir().unwrap();
     let bag = small();
-    for layout in Layout::ALL {
-        let path = folder.path().join(format!("{layout:?}"));
+    for (layout, has_metadata) in Layout::ALL.into_iter().flat_map(|layout| [(layout, true), (layout, false)])
+    {
+        let path = folder.path().join(format!("{layout:?} {has_metadata}"));
         bag.write(&path, layout);
+        if !has_metadata {
+            std::fs::remove_file(path.join("metadata.yaml")).unwrap();
+        }
         let recording = read(&path).unwrap_or_else(|e| panic!("{layout:?}: {e}"));
         let topics = recording.topics.as_ref().unwrap().to_string();
-        assert_eq!(topics, "cam0 /left/image, cam1 /right/image, IMU /imu");
+        assert_eq!(topics, "cam0 /cam0/image, cam1 /cam1/image, IMU /imu");
         assert_eq!(recording.shots.len(), 5, "{layout:?}");
         let gravity = recording.imu.as_ref().unwrap().gravity(None).unwrap();
         assert_eq!((gravity.samples, gravity.up.x > 0.99), (5, true), "{layout:?}");
@@ -90,11 +94,11 @@ fn topics_are_those_asked_for() {
         let recording = Recording::read(folder.path(), Some(&topics), &Calibration::nominal());
         recording.map_err(|error| error.to_string())
     };
-    let swapped = asked("/right/image,/left/image").unwrap();
+    let swapped = asked("/cam1/image,/cam0/image").unwrap();
     assert!(swapped.imu.is_none(), "it is not asked for");
     let first = swapped.shots[0].images[0].as_ref().unwrap().read().unwrap();
     assert_eq!(first.rgb().unwrap(), colours(1, 0));
-    assert!(asked(",/left/image").unwrap().shots[0].images[0].is_none());
+    assert!(asked(",/cam0/image").unwrap().shots[0].images[0].is_none());
     assert!(asked("/tf").unwrap_err().contains("/tf: is of type tf2_msgs/msg/TFMessage"));
     assert!(asked("/middle").unwrap_err().contains("no topic /middle; there are /tf (tf2_msgs"));
 }
@@ -118,65 +122,222 @@ fn refused(bag: &Bag, layouts: &[Layout], spoil: impl Fn(&Path), named: &[&str])
     }
 }
 
-/// The first storage file in a folder.
-fn first(folder: &Path) -> std::path::PathBuf {
+/// The storage files in a folder, in order.
+fn files(folder: &Path) -> Vec<std::path::PathBuf> {
     let files = std::fs::read_dir(folder).unwrap().flatten().map(|entry| entry.path());
-    files.filter(|path| path.to_string_lossy().contains("bag_0")).min().unwrap()
+    let mut files: Vec<_> = files.filter(|path| path.to_string_lossy().contains("bag_")).collect();
+    files.sort();
+    files
 }
 
 #[test]
-fn damaged_files_are_named() {
+fn files_that_hold_nothing_are_named() {
     let bag = small();
-    let cut = |folder: &Path| {
-        let path = first(folder);
-        let bytes = std::fs::read(&path).unwrap();
-        std::fs::write(path, &bytes[..bytes.len() / 2]).unwrap();
-    };
-    refused(&bag, &Layout::ALL, cut, &["bag_0."]);
-    let foreign = |folder: &Path| std::fs::write(first(folder), b"no bag at all ".repeat(90)).unwrap();
-    refused(&bag, &Layout::ALL, foreign, &["bag_0."]);
-    refused(
-        &bag,
-        &Layout::ALL,
-        |folder| std::fs::remove_file(first(folder)).unwrap(),
-        &["bag_0.", "cannot be read"],
-    );
-    // A byte in the middle of a chunk: its checksum reveals it.
-    let flipped = |folder: &Path| {
-        let mut bytes = std::fs::read(first(folder)).unwrap();
-        let middle = bytes.len() / 3;
-        bytes[middle] ^= 64;
-        std::fs::write(first(folder), bytes).unwrap();
-    };
-    refused(&bag, &[Layout::McapChunks, Layout::McapZstd, Layout::McapLz4], flipped, &["bag_0.mcap: "]);
-    let metadata = |from: &'static str, to: &'static str| {
-        move |folder: &Path| {
-            let path = folder.join("metadata.yaml");
-            let text = std::fs::read_to_string(&path).unwrap();
-            assert!(text.contains(from));
-            std::fs::write(path, text.replace(from, to)).unwrap();
+    let foreign = |folder: &Path| {
+        for file in files(folder) {
+            std::fs::write(file, b"no bag at all ".repeat(90)).unwrap();
         }
     };
-    let any = [Layout::Sqlite, Layout::McapZstd];
-    refused(
-        &bag,
-        &any,
-        metadata("storage_identifier: ", "storage_identifier: my_"),
-        &["metadata.yaml: storage_identifier: 'my_"],
-    );
-    refused(
-        &bag,
-        &any,
-        metadata("relative_file_paths", "paths"),
-        &["metadata.yaml: ", "relative_file_paths"],
-    );
-    refused(
-        &bag,
-        &any,
-        |folder| std::fs::remove_file(folder.join("metadata.yaml")).unwrap(),
-        &["metadata.yaml is missing"],
-    );
-    refused(&bag, &[Layout::Sqlite], metadata("sqlite3", "mcap"), &["bag_0.db3: not a whole MCAP file"]);
+    refused(&bag, &Layout::ALL, foreign, &["bag_0.", "neither an MCAP nor an SQLite file"]);
+    let gone = |folder: &Path| files(folder).iter().for_each(|file| std::fs::remove_file(file).unwrap());
+    refused(&bag, &Layout::ALL, gone, &["bag_0.", "cannot be read"]);
+    let alone = |folder: &Path| {
+        gone(folder);
+        std::fs::write(folder.join("metadata.yaml"), "").unwrap();
+    };
+    refused(&bag, &[Layout::Sqlite], alone, &["metadata.yaml: no metadata of a ROS 2 bag"]);
+}
+
+#[test]
+fn metadata_that_cannot_be_read_are_passed_over() {
+    for layout in Layout::ALL {
+        let folder = tempfile::tempdir().unwrap();
+        small().write(folder.path(), layout);
+        std::fs::write(folder.path().join("metadata.yaml"), "").unwrap();
+        let recording = read(folder.path()).unwrap();
+        assert_eq!(recording.shots.len(), 5, "{layout:?}");
+        assert!(recording.notes[0].contains("the files beside it are read"), "{:?}", recording.notes);
+    }
+}
+
+#[test]
+fn files_may_be_renamed() {
+    let folder = tempfile::tempdir().unwrap();
+    small().write(folder.path(), Layout::McapZstd);
+    for (number, file) in files(folder.path()).iter().enumerate() {
+        std::fs::rename(file, folder.path().join(format!("tour_{number}.mcap"))).unwrap();
+    }
+    let recording = read(folder.path()).unwrap();
+    assert_eq!(recording.shots.len(), 5);
+    assert!(recording.notes[0].contains("none of its files is there"), "{:?}", recording.notes);
+}
+
+#[test]
+fn what_is_whole_of_a_damaged_bag_is_read() {
+    let bag = small();
+    let damaged = |layout: Layout, spoil: &dyn Fn(&mut Vec<u8>)| {
+        let folder = tempfile::tempdir().unwrap();
+        bag.write(folder.path(), layout);
+        let path = files(folder.path())[0].clone();
+        let mut bytes = std::fs::read(&path).unwrap();
+        spoil(&mut bytes);
+        std::fs::write(path, bytes).unwrap();
+        let recording = read(folder.path()).unwrap_or_else(|error| panic!("{layout:?}: {error}"));
+        let images = || recording.shots.iter().flat_map(|shot| shot.images.iter().flatten());
+        assert!(images().all(|image| image.read().is_ok()), "{layout:?}");
+        assert!(recording.notes.iter().any(|note| note.contains("bag_0.")), "{:?}", recording.notes);
+        images().count()
+    };
+    let cut = |bytes: &mut Vec<u8>| bytes.truncate(bytes.len() / 2);
+    for layout in Layout::ALL {
+        let frames = damaged(layout, &cut);
+        println!("{layout:?} cut: {frames} of 10 frames");
+        assert!((4..10).contains(&frames), "{layout:?}: {frames}; the second file alone has 4");
+    }
+    // A byte in the middle of a chunk: its checksum reveals it, and the other chunks are read.
+    let flipped = |bytes: &mut Vec<u8>| {
+        let middle = bytes.len() / 3;
+        bytes[middle] ^= 64;
+    };
+    for layout in [Layout::McapChunks, Layout::McapZstd, Layout::McapLz4] {
+        let frames = damaged(layout, &flipped);
+        println!("{layout:?} flipped: {frames} of 10 frames");
+        assert!((8..10).contains(&frames), "{layout:?}: {frames}");
+    }
+}
+
+#[test]
+fn a_single_file_is_a_bag() {
+    for layout in Layout::ALL {
+        let folder = tempfile::tempdir().unwrap();
+        small().write(folder.path(), layout);
+        let recording = read(&files(folder.path())[1]).unwrap();
+        assert!(recording.shots.len() >= 2 && recording.imu.is_some(), "{layout:?}");
+        assert_eq!(recording.notes, Vec::<String>::new());
+    }
+}
+
+#[test]
+fn a_database_is_read_without_writing_beside_it() {
+    let folder = tempfile::tempdir().unwrap();
+    small().write(folder.path(), Layout::Sqlite);
+    let path = files(folder.path())[0].clone();
+    // As the recorder leaves it: in WAL mode, the log merged.
+    let database = rusqlite::Connection::open(&path).unwrap();
+    let set = |database: &rusqlite::Connection, sql: &str| {
+        database.query_row(sql, [], |row| row.get::<_, rusqlite::types::Value>(0)).unwrap()
+    };
+    set(&database, "PRAGMA journal_mode = WAL");
+    database.close().unwrap();
+    let names = || {
+        let mut names: Vec<_> =
+            std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+        names.sort();
+        names
+    };
+    let before = names();
+    assert_eq!(read(folder.path()).unwrap().shots.len(), 5);
+    assert_eq!(names(), before);
+    // As a crash leaves it: messages in the log alone.
+    let database = rusqlite::Connection::open(&path).unwrap();
+    set(&database, "PRAGMA wal_autocheckpoint = 0");
+    let last = "INSERT INTO messages (topic_id, timestamp, data) SELECT topic_id, 1, data FROM messages
+                WHERE topic_id = (SELECT id FROM topics WHERE name = '/imu')";
+    let count = database.execute(last, []).unwrap();
+    let crashed = tempfile::tempdir().unwrap();
+    for name in names() {
+        std::fs::copy(folder.path().join(&name), crashed.path().join(&name)).unwrap();
+    }
+    let recording = read(crashed.path()).unwrap();
+    assert_eq!(recording.imu.unwrap().gravity(None).unwrap().samples, 5 + count);
+    assert!(count > 0);
+}
+
+#[test]
+fn one_bad_message_does_not_end_a_recording() {
+    let mut bag = small();
+    let [left, right, imu] = [1, 2, 3];
+    // By topic: a stamp twice, none, a negative one, a message that ends early, and a reading that is no number.
+    bag.push_image_at(left, stamp(0, 2), 9_000_000_000);
+    bag.push_image_at(left, 0, 3_050_000_000);
+    bag.push_raw(left, 3_060_000_000, [&[0, 1, 0, 0][..], &(-5_i32).to_le_bytes(), &[0; 8]].concat());
+    bag.push_raw(right, 3_070_000_000, vec![0, 1, 0, 0, 1]);
+    bag.push_imu(imu, 3_080_000_000, [f64::NAN, 0.0, 0.0]);
+    for layout in [Layout::Sqlite, Layout::McapZstd] {
+        let folder = tempfile::tempdir().unwrap();
+        bag.write(folder.path(), layout);
+        let recording = read(folder.path()).unwrap();
+        assert_eq!(recording.faults.to_string(), "4 of 14 frames, 1 of 6 readings", "{layout:?}");
+        let problems: Vec<_> = recording.faults.first().iter().map(|fault| &fault.problem[..]).collect();
+        for named in
+            ["another frame has the stamp", "its stamp is 0", "-5 s", "within its header", "not finite"]
+        {
+            assert!(problems.iter().any(|problem| problem.contains(named)), "{named}: {problems:?}");
+        }
+        assert_eq!(recording.shots.len(), 5);
+        let kept = recording.shots[2].images[0].as_ref().unwrap().read().unwrap();
+        assert_eq!(kept.rgb().unwrap(), colours(0, 2), "the first of two");
+    }
+}
+
+#[test]
+fn without_stamps_the_times_of_recording_count() {
+    let mut bag = Bag::new();
+    let cameras = [bag.topic("/cam0", IMAGE), bag.topic("/cam1", IMAGE)];
+    let imu = bag.topic("/imu", IMU);
+    for frame in 0..3 {
+        cameras.iter().for_each(|camera| bag.push_image_at(*camera, 0, stamp(0, frame)));
+        bag.push_imu(imu, stamp(0, frame), [0.0, 0.0, 9.81]);
+    }
+    for layout in [Layout::Sqlite, Layout::McapPlain, Layout::McapZstd] {
+        let folder = tempfile::tempdir().unwrap();
+        bag.write(folder.path(), layout);
+        let recording = read(folder.path()).unwrap();
+        let times: Vec<_> = recording.shots.iter().map(|shot| shot.timestamp_ns).collect();
+        assert_eq!(times, [0, 1, 2].map(|frame| stamp(0, frame)), "{layout:?}");
+        assert_eq!(recording.notes.len(), 2, "{:?}", recording.notes);
+        assert!(recording.notes[0].contains("/cam0: all stamps are 0"), "{:?}", recording.notes);
+        assert!(recording.faults.is_empty());
+    }
+}
+
+#[test]
+fn types_without_msg_and_of_foxglove_are_read() {
+    for (kinds, is_foxglove) in [
+        (["sensor_msgs/Image", "sensor_msgs/CompressedImage"], false),
+        (["foxglove_msgs/msg/RawImage", "foxglove_msgs/msg/CompressedImage"], true),
+    ] {
+        let mut bag = Bag::new();
+        let [raw, packed] = [bag.topic("/cam0", kinds[0]), bag.topic("/cam1", kinds[1])];
+        let pgm = b"P5 2 1 255\n\x05\x06";
+        if is_foxglove {
+            bag.push(raw, stamp(0, 0), &(2_u32, 1_u32, "mono8", 2_u32, &[3_u8, 4][..]));
+            bag.push(packed, stamp(1, 0), &(&pgm[..], "pgm"));
+        } else {
+            bag.push_image(raw, stamp(0, 0), (2, 1), "mono8", 2, &[3, 4]);
+            bag.push_compressed(packed, stamp(1, 0), pgm);
+        }
+        for layout in [Layout::Sqlite, Layout::McapZstd] {
+            let folder = tempfile::tempdir().unwrap();
+            bag.write(folder.path(), layout);
+            let recording = read(folder.path()).unwrap();
+            let [Some(raw), Some(packed)] = &recording.shots[0].images else { panic!("{kinds:?}") };
+            assert_eq!(raw.read().unwrap().gray().pixels(), [3, 4]);
+            assert_eq!(packed.read().unwrap().gray().pixels(), [5, 6]);
+        }
+    }
+}
+
+#[test]
+fn one_topic_may_serve_both_cameras() {
+    let mut bag = Bag::new();
+    let dual = bag.topic("/dual", IMAGE);
+    bag.push_image(dual, stamp(0, 0), SIZE, "rgb8", 3 * SIZE.0, &colours(0, 0));
+    let folder = tempfile::tempdir().unwrap();
+    bag.write(folder.path(), Layout::McapZstd);
+    let topics: Topics = "/dual,/dual".parse().unwrap();
+    let recording = Recording::read(folder.path(), Some(&topics), &Calibration::nominal()).unwrap();
+    assert!(recording.shots[0].images.iter().all(|image| image.as_ref().unwrap().read().is_ok()));
 }
 
 #[test]
@@ -184,29 +345,43 @@ fn bad_messages_are_named() {
     let any = [Layout::Sqlite, Layout::McapZstd];
     let mut third = small();
     third.topic("/top", IMAGE);
-    refused(&third, &any, |_| {}, &["--topics", "/left/image (sensor_msgs/msg/Image)", "/top"]);
+    refused(&third, &any, |_| {}, &["--topics", "/cam0/image (sensor_msgs/msg/Image)", "/top"]);
+    let mut swapped = Bag::new();
+    for name in ["/front/image", "/back/image"] {
+        let topic = swapped.topic(name, IMAGE);
+        swapped.push_image_at(topic, stamp(0, 0), stamp(0, 0));
+    }
+    refused(&swapped, &any, |_| {}, &["--topics", "/front/image", "/back/image"]);
+    let mut blind = Bag::new();
+    let odom = blind.topic("/odom", "nav_msgs/msg/Odometry");
+    blind.push_raw(odom, 5, vec![7; 5]);
+    refused(&blind, &any, |_| {}, &["no image topic in the bag", "/odom (nav_msgs/msg/Odometry)"]);
     let mut empty = Bag::new();
-    let left = empty.topic("/left", IMAGE);
-    empty.topic("/right", COMPRESSED);
+    let [left, _, odom] = [("/cam0", IMAGE), ("/cam1", COMPRESSED), ("/odom", "nav_msgs/msg/Odometry")]
+        .map(|(n, k)| empty.topic(n, k));
+    empty.push_raw(odom, 5, vec![7; 5]);
+    refused(&empty, &any, |_| {}, &["/cam0 and /cam1: no messages"]);
     empty.push_image(left, stamp(0, 0), (1, 1), "mono8", 1, &[1]);
-    refused(&empty, &any, |_| {}, &["/right: no messages"]);
+    let folder = tempfile::tempdir().unwrap();
+    empty.write(folder.path(), Layout::Sqlite);
+    let recording = read(folder.path()).unwrap();
+    assert_eq!((recording.shots.len(), &recording.notes[..]), (1, &["/cam1: no frames".to_owned()][..]));
     for (push, named) in [
         (
-            (|bag, left| bag.push_raw(left, 5, vec![0, 1, 0, 0, 1])) as fn(&mut Bag, usize),
-            "ends within its header",
+            (|bag, left| bag.push_raw(left, 5, [&[0, 1, 0, 0][..], &[1; 8]].concat())) as fn(&mut Bag, usize),
+            "/cam0 at 16843009.016843009 s: a message is too short",
         ),
-        (|bag, left| bag.push_raw(left, 5, vec![0; 12]), "/left at 0.000000000 s: a message is too short"),
         (
-            |bag, left| bag.push_image(left, 1_500_000_000, (2, 1), "yuv422", 4, &[0; 4]),
-            "/left at 1.500000000 s: encoding 'yuv422'",
+            |bag, left| bag.push_image(left, 1_500_000_000, (2, 1), "32FC1", 8, &[0; 8]),
+            "/cam0 at 1.500000000 s: encoding '32FC1'",
         ),
         (|bag, left| bag.push_image(left, 1, (2, 1), "rgb8", 6, &[0; 5]), "5 bytes of data are too few"),
         (|bag, left| bag.push_image(left, 1, (0, 1), "rgb8", 6, &[0; 6]), "0 x 1 pixels"),
     ] {
         let mut bag = Bag::new();
-        let [left, right] = [bag.topic("/left", IMAGE), bag.topic("/right", COMPRESSED)];
+        let [left, right] = [bag.topic("/cam0", IMAGE), bag.topic("/cam1", COMPRESSED)];
         push(&mut bag, left);
-        bag.push_compressed(right, 9_000_000_000, b"GIF89a");
+        bag.push_compressed(right, 9_000_000_000_000_000_000, b"GIF89a");
         refused(&bag, &any, |_| {}, &[named]);
     }
 }

@@ -1,6 +1,6 @@
 //! Camera models against `OpenCV` and against real calibrations; invalid calibrations on the command line.
 
-use compass_core::vision::camera::{Bearing, Camera, Intrinsics, KannalaBrandt, ROUND_TRIP_PX};
+use compass_core::vision::camera::{Bearing, Camera, Intrinsics, KannalaBrandt, Omni, ROUND_TRIP_PX, Radtan};
 use compass_host::calibration::Calibration;
 use compass_host::compare::camera::stages;
 use compass_tests::{Folder, number, recordings};
@@ -26,6 +26,25 @@ fn kannala_brandt_projects_as_opencv_does() {
     }
     println!("worst of {count}: {worst} px");
     assert!(count > 500 && worst <= OPENCV_PX, "{count}: {worst} px");
+}
+
+#[test]
+fn omnidirectional_lenses_project_as_opencv_does() {
+    let (mut worst, mut worst_back, mut count) = (0.0_f64, 0.0_f32, 0);
+    let table = include_str!("../vectors/opencv_omnidir.csv");
+    for line in table.lines().filter(|line| !line.starts_with(['#', 'f'])) {
+        let row: Vec<f64> = line.split(',').map(|field| field.parse().unwrap()).collect();
+        let single: Vec<f32> = row.iter().map(|&value| value as f32).collect();
+        let [fx, fy, cx, cy, xi, k1, k2, p1, p2, x, y, z, _, _] = single[..] else { panic!("{line}") };
+        let distortion = Radtan { k1, k2, p1, p2, k3: 0.0 };
+        let lens = Camera::Omni(Omni::new(Intrinsics { fx, fy, cx, cy }, xi, distortion).unwrap());
+        let pixel = lens.project(&Bearing::new(x, y, z)).unwrap_or_else(|| panic!("{line}"));
+        worst = worst.max((f64::from(pixel.x) - row[12]).hypot(f64::from(pixel.y) - row[13]));
+        worst_back = worst_back.max((lens.unproject(pixel).unwrap() - Bearing::new(x, y, z)).norm());
+        count += 1;
+    }
+    println!("worst of {count}: {worst} px, back {worst_back} rad");
+    assert!(count > 800 && worst <= OPENCV_PX && worst_back < 2e-5, "{count}: {worst} px, {worst_back} rad");
 }
 
 fn lenses(calibration: &Calibration) -> Vec<Camera> {
@@ -108,7 +127,7 @@ fn bad_calibrations_are_refused_in_one_line() {
         }
     };
     refused("", &["chain.yaml"]);
-    refused(&CHAIN.replace("equidistant", "radtan"), &["chain.yaml", "cam0.distortion_model", "radtan"]);
+    refused(&CHAIN.replace("equidistant", "fov"), &["chain.yaml", "cam0.distortion_model", "fov"]);
     refused(&CHAIN.replace("[0.02,", "[1, 0.02,"), &["cam0.distortion_coeffs", "left out"]);
     refused(&CHAIN.replace("430", "0"), &["cam0.intrinsics", "focal"]);
     refused(&CHAIN[..CHAIN.find("  resolution").unwrap()], &["cam0.resolution", "missing"]);

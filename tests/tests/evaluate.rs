@@ -160,11 +160,107 @@ fn bad_input_is_named_and_leaves_nothing() {
     folder.write(list, b"#timestamp [ns],filename\n1000000000,none.jpg\n");
     refused(&format!("{LINE} --out x"), "data.csv:2: ");
     folder.write(list, &good);
-    // A damaged frame ends the run; finished frames are kept for the next run.
-    folder.write("set/cam0/data/2000000000.jpg", b"\xff\xd8\xff\xe0 no picture");
-    let ran = folder.run(&format!("{LINE} --out x"));
-    assert!(ran.status == Some(2) && ran.stderr.contains("2000000000.jpg"), "{}", ran.stderr);
-    for name in ["report.html", "single.tum", "track.tum", "trajectory.png"] {
-        assert!(!folder.path(&format!("x/{name}")).exists(), "{name}");
+    // Frames none of which can be used: nothing is left either.
+    for camera in ["cam0", "cam1"] {
+        for stamp in ["1000000000", "1500000000", "2000000000", "2500000000"] {
+            folder.write(&format!("set/{camera}/data/{stamp}.jpg"), b"\xff\xd8\xff\xe0 no picture");
+        }
     }
+    refused(&format!("{LINE} --out deep/x"), "1000000000.jpg: damaged");
+}
+
+#[test]
+fn one_bad_item_does_not_end_a_recording() {
+    let folder = recording();
+    let whole = folder.json(&format!("{LINE} --out whole"));
+    assert_eq!((&whole["left_out"]["frames"], &whole["notes"]), (&Value::from(0), &Value::Array(vec![])));
+    let jpeg = folder.read("set/cam0/data/1500000000.jpg");
+    folder.write("set/cam0/data/1500000000.jpg", &jpeg[..jpeg.len() / 2]);
+    let list = String::from_utf8(folder.read("set/cam1/data.csv")).unwrap();
+    folder.write("set/cam1/data.csv", format!("{list}3000000000,gone.jpg\n-5,1000000000.jpg\n").as_bytes());
+    std::fs::create_dir(folder.path("set/imu0")).unwrap();
+    folder.write("set/imu0/data.csv", b"1000000000,0,0,0,0,0,9.81\n1500000000,0,0,0,nan,0,9.81\n");
+    let poses = String::from_utf8(folder.read("set/groundtruth.txt")).unwrap();
+    folder.write("set/groundtruth.txt", format!("{poses}9.0 nan nan nan nan nan nan nan\n").as_bytes());
+    let result = folder.json(&format!("{LINE} --out part"));
+    let left_out = &result["left_out"];
+    assert_eq!(
+        ["frames", "readings", "poses"].map(|key| number(&left_out[key])),
+        [3.0, 1.0, 1.0],
+        "{left_out}"
+    );
+    let first = left_out["first"].as_array().unwrap();
+    for named in ["gone.jpg does not exist", "'-5'", "'nan'", "damaged or truncated image"] {
+        let is_named = |item: &Value| item["problem"].as_str().unwrap().contains(named);
+        assert!(first.iter().any(is_named), "{named}: {first:?}");
+    }
+    assert!(result["notes"][0].as_str().unwrap().contains("T_imu_cam"), "{}", result["notes"]);
+    assert_eq!(["frames", "unseen"].map(|key| number(&result[key])), [4.0, 1.0]);
+    let frames = |result: &Value| result["results"].as_array().unwrap().clone();
+    for (at, (found, expected)) in frames(&result).iter().zip(&frames(&whole)).enumerate() {
+        if at == 1 {
+            assert!(found["problem"].as_str().unwrap().contains("1500000000.jpg: damaged"), "{found}");
+        } else {
+            assert_eq!(found["single"], expected["single"], "{at}");
+        }
+    }
+    let report = String::from_utf8(folder.read("part/report.html")).unwrap();
+    assert!(report.contains("Left out") && report.contains("gone.jpg"));
+    let ran = folder.run(&format!("{LINE} --max-left-out 0.2 --out part"));
+    assert_eq!(ran.status, Some(1), "{}", ran.stderr);
+    assert!(
+        ran.stderr.contains("were left out, more than a share of 0.2 (--max-left-out)"),
+        "{}",
+        ran.stderr
+    );
+}
+
+#[test]
+fn both_lenses_in_one_image_are_taken_apart() {
+    let folder = recording();
+    let whole = folder.json(&format!("{LINE} --every 4 --out whole"));
+    let open =
+        |camera| image::open(folder.path(&format!("set/{camera}/data/1000000000.jpg"))).unwrap().to_rgb8();
+    let halves = [open("cam0"), open("cam1")];
+    let width = halves[0].width();
+    let dual = image::RgbImage::from_fn(2 * width, halves[0].height(), |x, y| {
+        *halves[(x / width) as usize].get_pixel(x % width, y)
+    });
+    dual.save(folder.path("dual.png")).unwrap();
+    std::fs::create_dir_all(folder.path("one/cam0/data")).unwrap();
+    std::fs::rename(folder.path("dual.png"), folder.path("one/cam0/data/1.png")).unwrap();
+    folder.write("one/cam0/data.csv", b"1000000000,1.png\n");
+    let result = folder.json(&format!("{} --out halves", LINE.replace("--dataset set", "--dataset one")));
+    assert_eq!(result["results"][0]["single"], whole["results"][0]["single"]);
+    assert!(result["notes"][0].as_str().unwrap().contains("both lenses are in one image"), "{result}");
+    let gravity =
+        |frames: &str| folder.run(&format!("gravity --calib set/calibration.yaml --mount upright {frames}"));
+    let dual = gravity("--cam0 one/cam0/data/1.png");
+    let pair = gravity("--cam0 set/cam0/data/1000000000.jpg --cam1 set/cam1/data/1000000000.jpg");
+    assert_eq!((dual.status, &dual.stdout), (Some(0), &pair.stdout));
+    assert!(dual.stderr.contains("its left half is taken for cam0"), "{}", dual.stderr);
+}
+
+#[test]
+fn cameras_are_those_asked_for() {
+    let folder = recording();
+    let chain = String::from_utf8(folder.read("set/calibration.yaml")).unwrap();
+    // The second camera is named cam2, after one of a model that nothing reads.
+    let step = "  T_cn_cnm1: [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]";
+    let other = format!("cam1:\n{step}\n  camera_model: fov\ncam2:");
+    folder.write("three.yaml", chain.replacen("cam1:", &other, 1).as_bytes());
+    let frame = "--cam0 set/cam0/data/1000000000.jpg";
+    let pair = format!("{frame} --cam1 set/cam1/data/1000000000.jpg");
+    let gravity = |options: &str| folder.run(&format!("gravity --mount upright {options}"));
+    let expected = gravity(&format!("--calib set/calibration.yaml {pair}"));
+    let found = gravity(&format!("--calib three.yaml --cameras cam0,cam2 {pair}"));
+    assert_eq!((found.status, &found.stdout), (Some(0), &expected.stdout), "{}", found.stderr);
+    assert_eq!(gravity(&format!("--calib three.yaml {frame}")).status, Some(0), "cam1 is not asked for");
+    let refused = gravity(&format!("--calib three.yaml {pair}"));
+    assert_eq!(refused.status, Some(2));
+    assert!(refused.stderr.contains("cam1.camera_model: 'fov' is not supported"), "{}", refused.stderr);
+    std::fs::rename(folder.path("set/cam1"), folder.path("set/cam2")).unwrap();
+    let line = LINE.replace("set/calibration.yaml", "three.yaml --cameras cam0,cam2");
+    let result = folder.json(&format!("{line} --every 4 --out x"));
+    assert_eq!((number(&result["frames"]), number(&result["unseen"])), (1.0, 0.0));
 }

@@ -1,13 +1,15 @@
 //! The options that every command with camera frames shares.
 
 use super::heights::HeightArgs;
+use super::notes::note;
 use super::plan::{finite, pair};
 use super::up::{MountOption, UpFromOption};
 use anyhow::{Result, bail};
 use compass_core::HeightPrior;
 use compass_core::vision::camera::{Bearing, Rig};
-use compass_host::calibration::Calibration;
+use compass_host::calibration::{Calibration, CameraNames};
 use compass_host::dataset::imu::{Gravity, Readings};
+use compass_host::dual_image;
 use compass_host::frame::Frame;
 use compass_host::locator::{SeeError, Segmented};
 use compass_host::up::{UpFrom, UpSources};
@@ -16,9 +18,12 @@ use std::path::PathBuf;
 /// A calibration and the frames of one or two cameras.
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct CameraArgs {
-    /// Camera calibration: a Kalibr camera-imu chain .yaml
+    /// Camera calibration: a camera chain of Kalibr, .yaml, or what Basalt and ROS write
     #[arg(long, value_name = "FILE")]
     calib: Option<PathBuf>,
+    /// Cameras of the calibration that are cam0 and cam1 [default: cam0,cam1]
+    #[arg(long, value_name = "CAM0[,CAM1]")]
+    cameras: Option<CameraNames>,
     /// Frame of cam0
     #[arg(long, value_name = "IMAGE")]
     cam0: Option<PathBuf>,
@@ -88,10 +93,15 @@ impl ImuArgs {
     /// The up vector from the IMU, in the axes of cam0.
     fn load(&self, calibration: &Calibration) -> Result<Option<Gravity>> {
         let Some(path) = &self.imu else { return Ok(None) };
-        let gravity = Readings::read(path)?.gravity(self.imu_seconds)?;
+        let readings = Readings::read(path)?;
+        let gravity = readings.gravity(self.imu_seconds)?;
         let Some(gravity) = gravity.in_cam0(calibration) else {
-            bail!("{}: cam0.T_cam_imu: missing, and --imu needs it", calibration.path.display());
+            let (path, name) = (calibration.path.display(), calibration.name(0));
+            bail!("{path}: {name}.T_cam_imu: missing (T_imu_cam too), and --imu needs one");
         };
+        if let Some(fault) = readings.faults().first().first() {
+            note(&format!("{} left out; the first: {}: {}", readings.faults(), fault.place, fault.problem));
+        }
         Ok(Some(gravity))
     }
 }
@@ -168,12 +178,16 @@ impl CameraArgs {
             bail!("no frame: name one with --cam0 IMAGE, --cam1 IMAGE or both");
         }
         let Some(calib) = &self.calib else { bail!("no calibration: name one with --calib FILE") };
-        let calibration = Calibration::load(calib)?;
+        let calibration = Calibration::load_cameras(calib, &self.cameras.clone().unwrap_or_default())?;
         let [cam0, cam1] = paths.map(|path| path.as_ref().map(|path| Frame::read(path)).transpose());
+        let (frames, halves) = dual_image::split(&calibration, [cam0?, cam1?]);
         let files: Vec<_> = paths.into_iter().flatten().map(|path| path.display().to_string()).collect();
         let up = self.up.with(self.imu.source()?, self.imu.load(&calibration)?);
         let (heights, name) = (self.heights.prior(), files.join(", "));
-        Ok(Taken { calibration, frames: [cam0?, cam1?], up, heights, name })
+        if let Some(halves) = halves {
+            note(&format!("{name}: {}", halves.note()));
+        }
+        Ok(Taken { calibration, frames, up, heights, name })
     }
 
     /// Reads the calibration and the frames, and makes a rig for them.

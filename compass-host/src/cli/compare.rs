@@ -66,6 +66,7 @@ impl Compare {
     fn lenses(&self) -> Result<Vec<Camera>> {
         let Some(path) = &self.calib else { return Ok(camera::nominal()) };
         let calibration = Calibration::load(path)?;
+        calibration.all_valid()?;
         let lens = |camera: &CalibratedCamera| camera.core(camera.resolution).map_err(Into::into);
         calibration.cameras.iter().flatten().map(lens).collect()
     }

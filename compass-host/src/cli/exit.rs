@@ -38,8 +38,16 @@ impl From<&SeeError> for Status {
     }
 }
 
+/// The work was done, but on too little of the input to trust it.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub(super) struct TooMuchLeftOut(pub(super) String);
+
 impl From<&anyhow::Error> for Status {
     fn from(error: &anyhow::Error) -> Self {
+        if error.is::<TooMuchLeftOut>() {
+            return Self::No;
+        }
         error.downcast_ref::<SeeError>().map_or(Self::BadInput, Self::from)
     }
 }
@@ -83,6 +91,7 @@ mod tests {
         assert_eq!(of(SeeError::Disagreement(12.0)) as u8, 1);
         assert_eq!(of(SeeError::NoVertical) as u8, 1);
         assert_eq!(of(SeeError::Up) as u8, 2);
+        assert_eq!(Status::from(&anyhow::Error::from(TooMuchLeftOut("half".into()))) as u8, 1);
         assert_eq!(Status::from(&anyhow::anyhow!("no such file")) as u8, 2);
     }
 

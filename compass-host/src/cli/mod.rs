@@ -13,6 +13,7 @@ mod heights;
 mod json;
 mod localize;
 mod map;
+mod notes;
 mod pack;
 mod pictures;
 mod plan;

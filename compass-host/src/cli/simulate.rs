@@ -85,6 +85,7 @@ impl Simulate {
         let poses = self.poses(&raster)?;
         let calibration =
             self.calib.as_deref().map_or_else(|| Ok(Calibration::nominal()), Calibration::load)?;
+        calibration.all_valid()?;
         let (rig, (width, height)) = self.rig(&calibration)?;
         let start = Instant::now();
         let scene = Scene::new(&self.scene_options(), &raster);

@@ -20,7 +20,7 @@ use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Windows {
-    /// Camera calibration: a Kalibr camera-imu chain .yaml
+    /// Camera calibration: a camera chain of Kalibr, .yaml, or what Basalt and ROS write
     #[arg(long, value_name = "FILE")]
     calib: PathBuf,
     /// Which camera the frame is of

@@ -3,8 +3,8 @@
 use super::Stage;
 use crate::reference::camera::Camera as Reference;
 use compass_core::vision::camera::{
-    BEARING_ERROR, Bearing, Camera, Eucm, Intrinsics, KannalaBrandt, PROJECTION_ERROR_PX, Pixel,
-    ROUND_TRIP_PX,
+    BEARING_ERROR, Bearing, Camera, DoubleSphere, Eucm, Intrinsics, KannalaBrandt, Omni, PROJECTION_ERROR_PX,
+    Pixel, ROUND_TRIP_PX, Radtan,
 };
 
 /// Sampled radii of the image circle; not a divisor of anything.
@@ -24,7 +24,7 @@ struct Differences {
     round_trip_px: Vec<f64>,
 }
 
-/// An invented lens of either model, with a typical size and field: 200 degrees on 1440 pixels.
+/// An invented lens of each model of a calibration, with a typical size and field: 200 degrees on 1440 pixels.
 ///
 /// # Panics
 /// Never: the parameters are valid.
@@ -33,9 +33,14 @@ pub fn nominal() -> Vec<Camera> {
     let intrinsics = Intrinsics { fx: 431.5, fy: 430.25, cx: 727.25, cy: 716.5 };
     let polynomial = KannalaBrandt::new(intrinsics, [0.03, -0.012, -0.001, 0.0001]);
     let unified = Eucm::new(intrinsics, 0.66, 0.92);
+    let spheres = DoubleSphere::new(intrinsics, -0.19, 0.59);
+    let wide = Intrinsics { fx: 1035.5, fy: 1032.75, ..intrinsics };
+    let distortion = Radtan { k1: -0.02, k2: 0.003, p1: 4e-4, p2: -7e-4, k3: 0.0 };
     vec![
         Camera::KannalaBrandt(polynomial.expect("nominal polynomial lens")),
         Camera::Eucm(unified.expect("nominal unified lens")),
+        Camera::DoubleSphere(spheres.expect("nominal double sphere")),
+        Camera::Omni(Omni::new(wide, 1.4, distortion).expect("nominal omnidirectional lens")),
     ]
 }
 
@@ -50,6 +55,16 @@ pub fn stages(lenses: &[Camera]) -> Vec<Stage> {
         ],
         ["camera: projection, EUCM", "camera: bearing, EUCM", "camera: round trip, EUCM"],
         [
+            "camera: projection, double sphere",
+            "camera: bearing, double sphere",
+            "camera: round trip, double sphere",
+        ],
+        [
+            "camera: projection, omni-radtan",
+            "camera: bearing, omni-radtan",
+            "camera: round trip, omni-radtan",
+        ],
+        [
             "camera: projection, equidistant",
             "camera: bearing, equidistant",
             "camera: round trip, equidistant",
@@ -58,7 +73,9 @@ pub fn stages(lenses: &[Camera]) -> Vec<Stage> {
     let model = |lens: &Camera| match lens {
         Camera::KannalaBrandt(_) => 0,
         Camera::Eucm(_) => 1,
-        Camera::Equidistant(_) => 2,
+        Camera::DoubleSphere(_) => 2,
+        Camera::Omni(_) => 3,
+        Camera::Equidistant(_) => 4,
     };
     let of_model = |(number, names): (usize, [&'static str; 3])| {
         let mut found = Differences::default();
@@ -131,7 +148,7 @@ mod tests {
     #[test]
     fn nominal_lenses_are_in_bounds() {
         let stages = stages(&nominal());
-        assert_eq!(stages.len(), 6);
+        assert_eq!(stages.len(), 12);
         for stage in stages {
             println!("{stage:?}");
             assert!(stage.in_bounds && stage.compared > 20_000, "{stage:?}");
@@ -151,6 +168,14 @@ mod tests {
             ))),
             (intrinsics(), 0.0_f32..=1.0, 0.1_f32..4.0)
                 .prop_filter_map("field", |(i, a, b)| Some(Camera::Eucm(Eucm::new(i, a, b).ok()?))),
+            (intrinsics(), -0.5_f32..0.8, 0.0_f32..=1.0).prop_filter_map("field", |(i, xi, a)| Some(
+                Camera::DoubleSphere(DoubleSphere::new(i, xi, a).ok()?)
+            )),
+            (intrinsics(), 0.0_f32..3.0, [-0.3_f32..0.3, -0.1..0.1, -0.005..0.005, -0.005..0.005])
+                .prop_filter_map("field", |(i, xi, [k1, k2, p1, p2])| {
+                    let distortion = Radtan { k1, k2, p1, p2, k3: 0.0 };
+                    Some(Camera::Omni(Omni::new(i, xi, distortion).ok()?))
+                }),
             intrinsics().prop_map(|i| Camera::Equidistant(Equidistant::new(i).unwrap())),
         ]
     }

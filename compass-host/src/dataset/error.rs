@@ -1,6 +1,6 @@
 //! Why a recording could not be read.
 
-use super::lines::LinesError;
+use super::table::TableError;
 use crate::image_file::ImageFileError;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -11,7 +11,7 @@ use thiserror::Error;
 pub enum DatasetError {
     /// A list cannot be read, or one of its lines is not a frame or reading.
     #[error(transparent)]
-    Lines(#[from] LinesError),
+    Table(#[from] TableError),
     /// A frame cannot be read.
     #[error(transparent)]
     Image(#[from] ImageFileError),

@@ -1,10 +1,11 @@
 //! Accelerometer readings, and the direction of gravity in them.
 //!
-//! A line of a file, as `EuRoC` datasets have it (`imu0/data.csv`), is `timestamp [ns], w_RS_S_x, w_RS_S_y, w_RS_S_z
-//! [rad s^-1], a_RS_S_x, a_RS_S_y, a_RS_S_z [m s^-2]`. Blank lines and lines that begin with `#` are skipped. At rest
-//! an accelerometer reads 9.81 upwards.
+//! A row of a file, as `EuRoC` datasets have it (`imu0/data.csv`), is `timestamp [ns], w_RS_S_x, w_RS_S_y, w_RS_S_z
+//! [rad s^-1], a_RS_S_x, a_RS_S_y, a_RS_S_z [m s^-2]`, in any [dialect](super::table); a header may name the columns in
+//! another order. Rows whose acceleration is no number are left out. At rest an accelerometer reads 9.81 upwards.
 
-use super::lines::{self, LinesError};
+use super::faults::{Faults, Item};
+use super::table::{self, Row, TableError};
 use crate::calibration::Calibration;
 use nalgebra::Vector3;
 use std::path::{Path, PathBuf};
@@ -80,6 +81,7 @@ pub struct Readings {
     path: PathBuf,
     /// In order of time.
     readings: Vec<Reading>,
+    faults: Faults,
 }
 
 impl Readings {
@@ -87,20 +89,32 @@ impl Readings {
     #[must_use]
     pub fn new(path: PathBuf, mut readings: Vec<Reading>) -> Self {
         readings.sort_by_key(|reading| reading.timestamp_ns);
-        Self { path, readings }
+        let mut faults = Faults::default();
+        faults.count_used(Item::Reading, readings.len());
+        Self { path, readings, faults }
     }
 
-    /// Reads a file.
+    /// Reads a file; rows that are no reading are left out.
     ///
     /// # Errors
-    /// [`LinesError`]: a file that cannot be read, or a line that is not a reading.
-    pub fn read(path: &Path) -> Result<Self, LinesError> {
+    /// [`TableError`]: a file that cannot be read, or in which no row is a reading.
+    pub fn read(path: &Path) -> Result<Self, TableError> {
         let mut readings = Vec::new();
-        lines::visit(path, |line| {
-            readings.push(parse(line)?);
+        let visited = table::visit(path, |row| {
+            readings.push(parse(row)?);
             Ok(())
         })?;
-        Ok(Self::new(path.to_path_buf(), readings))
+        let mut read = Self::new(path.to_path_buf(), readings);
+        for (line, problem) in visited.rejected {
+            read.faults.add_line(Item::Reading, path, line, problem);
+        }
+        Ok(read)
+    }
+
+    /// The rows that were left out.
+    #[must_use]
+    pub const fn faults(&self) -> &Faults {
+        &self.faults
     }
 
     /// The mean of all readings, or of those within `span`: its first and last second by their clock.
@@ -144,21 +158,24 @@ impl Readings {
     }
 }
 
-fn parse(line: &str) -> Result<Reading, String> {
-    let fields: Vec<_> = line.split(',').map(str::trim).collect();
-    let [time, _, _, _, x, y, z] = fields[..] else {
+/// Columns of the acceleration without a header.
+const ACCELERATION: [usize; 3] = [4, 5, 6];
+
+fn parse(row: &Row<'_>) -> Result<Reading, String> {
+    let is_acceleration = |name: &str| {
+        let begins = name.starts_with('a') && !name.starts_with("ang") || name.contains("acc");
+        begins && !name.contains("cov")
+    };
+    let named = row.header.and_then(|header| header.components(['x', 'y', 'z'], is_acceleration));
+    let columns = named.unwrap_or(ACCELERATION);
+    if row.len() <= columns[2] {
         return Err(format!(
             "has {} fields; timestamp, three rates and three accelerations are needed",
-            fields.len()
+            row.len()
         ));
-    };
-    let timestamp_ns =
-        time.parse().map_err(|_| format!("timestamp is '{time}', no number of nanoseconds"))?;
-    let number = |text: &str| {
-        let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
-        number.ok_or_else(|| format!("acceleration is '{text}', no finite number"))
-    };
-    Ok(Reading { timestamp_ns, acceleration: Vector3::new(number(x)?, number(y)?, number(z)?) })
+    }
+    let [x, y, z] = columns.map(|column| row.number(column, "acceleration"));
+    Ok(Reading { timestamp_ns: row.nanoseconds(0)?, acceleration: Vector3::new(x?, y?, z?) })
 }
 
 #[cfg(test)]
@@ -203,6 +220,31 @@ mod tests {
     }
 
     #[test]
+    fn bad_readings_are_left_out() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("data.csv");
+        let text = "1,0,0,0,0,0,9.81\n2,nan,nan,nan,nan,nan,nan\n3,0,0,0,0,0\n4,nan,0,0,0,0,9.81\n";
+        std::fs::write(&path, text).unwrap();
+        let readings = Readings::read(&path).unwrap();
+        assert_eq!(readings.faults().to_string(), "2 of 4 readings", "a rate is not read");
+        assert!(readings.faults().first()[0].place.ends_with("data.csv:2"));
+        assert_eq!(readings.gravity(None).unwrap().samples, 2);
+    }
+
+    #[test]
+    fn other_orders_and_units_are_read() {
+        for text in [
+            "time [s];ax;ay;az;gx;gy;gz;temperature\n1,5;0;0;9,81;1;2;3;20\n",
+            "#t [s] linear_acceleration.x linear_acceleration.y linear_acceleration.z\n1.5 0 0 9.81\n",
+            "1.5,1,2,3,0,0,9.81,20\n",
+            "timestamp,angular_x,angular_y,angular_z,acc_x,acc_y,acc_z\n1500000000,1,2,3,0,0,9.81\n",
+        ] {
+            let gravity = mean(text, Some([1.4, 1.6])).unwrap();
+            assert_eq!((gravity.samples, gravity.up, gravity.length), (1, Vector3::z(), 9.81), "{text}");
+        }
+    }
+
+    #[test]
     fn what_is_wrong_is_named() {
         let message = |text: &str, span| mean(text, span).unwrap_err();
         assert!(message(HEADER, None).ends_with("data.csv: no reading"));
@@ -210,7 +252,7 @@ mod tests {
         assert!(message(one, Some([5.0, 6.5])).ends_with("no reading from 5 to 6.5 s"));
         for (line, what) in [
             ("1,0,0,0,0,9.81", "6 fields"),
-            ("1.5,0,0,0,0,0,9.81", "timestamp is '1.5'"),
+            ("-1,0,0,0,0,0,9.81", "timestamp is '-1'"),
             ("1,0,0,0,0,0,nan", "acceleration is 'nan'"),
             ("1,0,0,0,0,0,x", "acceleration is 'x'"),
         ] {

@@ -4,10 +4,11 @@
 mod bag;
 mod error;
 mod euroc;
+pub mod faults;
 pub mod imu;
-pub mod lines;
 mod pairs;
 pub mod recording;
+pub mod table;
 mod topics;
 pub mod trajectory;
 pub mod tum;

@@ -1,6 +1,6 @@
 //! Frames of two cameras, paired in time.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Half the spacing of frames when there is only one, nanoseconds.
 const ALONE_NS: u64 = 25_000_000;
@@ -8,18 +8,19 @@ const ALONE_NS: u64 = 25_000_000;
 /// The frames of one camera by time, nanoseconds.
 pub(super) type List<T> = BTreeMap<u64, T>;
 
-/// Pairs each frame of cam0 with the nearest frame of cam1 in time, if that is within half the spacing of the frames;
-/// frames without such a partner stay single. In order of time, which is cam0's where it has a frame.
+/// Pairs each frame of cam0 with the nearest frame of cam1 in time, if that is within half the spacing of the frames, of
+/// the camera with more of them; frames without such a partner stay single. In order of time, which is cam0's where it has a frame.
 pub(super) fn pair<T: Clone>([cam0, cam1]: &[List<T>; 2]) -> Vec<(u64, [Option<T>; 2])> {
-    let reach = half_spacing(cam0).max(half_spacing(cam1));
+    let reach = half_spacing(cam0).min(half_spacing(cam1));
     let partner = |of: &List<T>, time: u64| nearest(of, time).filter(|other| other.abs_diff(time) <= reach);
-    let mut pairs = Vec::new();
+    let (mut pairs, mut used) = (Vec::new(), BTreeSet::new());
     for (&time, frame) in cam0 {
         // Only mutual nearest neighbours, so that no frame is used twice.
         let other = partner(cam1, time).filter(|&other| nearest(cam0, other) == Some(time));
+        used.extend(other);
         pairs.push((time, [Some(frame.clone()), other.and_then(|other| cam1.get(&other).cloned())]));
     }
-    for (&time, frame) in cam1.iter().filter(|(time, _)| partner(cam0, **time).is_none()) {
+    for (&time, frame) in cam1.iter().filter(|(time, _)| !used.contains(*time)) {
         pairs.push((time, [None, Some(frame.clone())]));
     }
     pairs.sort_by_key(|(time, _)| *time);
@@ -60,5 +61,8 @@ mod tests {
         ];
         assert_eq!(pair(&[of(&[0, 100, 200, 300]), of(&[3, 104, 260, 420])]), expected);
         assert_eq!(pair(&[of(&[]), of(&[5])]), [(5, [None, Some(5)])]);
+        let lost = pair(&[of(&[0, 200, 300]), of(&[0, 100, 200, 300])]);
+        assert_eq!(lost[1], (100, [None, Some(100)]), "its partner is missing");
+        assert_eq!(lost.len(), 4);
     }
 }

@@ -5,6 +5,7 @@
 use super::bag;
 pub use super::error::DatasetError;
 use super::euroc;
+use super::faults::Faults;
 use super::imu::Readings;
 use super::pairs::{List, pair};
 pub use super::topics::Topics;
@@ -12,9 +13,6 @@ use crate::calibration::Calibration;
 use crate::frame::Frame;
 use crate::progress::{Progress, Silent};
 use std::path::{Path, PathBuf};
-
-/// The file that distinguishes a bag from other folders.
-const METADATA: &str = "metadata.yaml";
 
 /// The frames of one instant.
 #[derive(Debug, Clone)]
@@ -48,6 +46,16 @@ impl Source {
         }
     }
 
+    /// Where the frame is, for messages.
+    #[must_use]
+    pub fn name(&self) -> String {
+        match self {
+            Self::File(path) => path.display().to_string(),
+            #[cfg(feature = "bag")]
+            Self::Message(message) => message.name(),
+        }
+    }
+
     /// Identifies this frame among others, and detects that its data were replaced.
     #[must_use]
     pub fn identity(&self) -> String {
@@ -70,22 +78,26 @@ pub struct Recording {
     pub imu: Option<Readings>,
     /// The topics that were read from a bag.
     pub topics: Option<Topics>,
+    /// What was left out.
+    pub faults: Faults,
+    /// What else a user should know: damage, times that were taken from elsewhere.
+    pub notes: Vec<String>,
 }
 
 impl Recording {
     /// Reads the index of a recording and pairs the frames of the cameras: each with the nearest in time if that is
     /// within half the spacing of the frames; frames without such a partner stay single. The topics of a bag are those
-    /// that `topics` names, else those of the calibration, else the only candidates.
+    /// that `topics` names, else those of the calibration, else those that their names number. Items that are invalid
+    /// are left out.
     ///
     /// # Errors
-    /// [`DatasetError`]: a file that cannot be read or is damaged, a list that names a missing file, a bag without the
-    /// topics, or no frames.
+    /// [`DatasetError`]: a list or bag of which nothing can be read, a bag without the topics, or no frames.
     pub fn read(
-        dir: &Path,
+        path: &Path,
         topics: Option<&Topics>,
         calibration: &Calibration,
     ) -> Result<Self, DatasetError> {
-        Self::read_with_progress(dir, topics, calibration, &Silent)
+        Self::read_with_progress(path, topics, calibration, &Silent)
     }
 
     /// [`Recording::read`] with progress reports.
@@ -93,78 +105,86 @@ impl Recording {
     /// # Errors
     /// As [`Recording::read`].
     pub fn read_with_progress(
-        dir: &Path,
+        path: &Path,
         topics: Option<&Topics>,
         calibration: &Calibration,
         progress: &dyn Progress,
     ) -> Result<Self, DatasetError> {
-        if dir.join(METADATA).exists() {
-            return read_bag(dir, topics, calibration, progress);
+        let recording = if is_bag(path) {
+            read_bag(path, topics, calibration, progress)?
+        } else if topics.is_some() {
+            return Err(DatasetError::bad(path, "no ROS 2 bag; topics are its"));
+        } else {
+            read_folder(path, calibration)?
+        };
+        if recording.shots.is_empty() {
+            return Err(DatasetError::bad(path, no_frames(path)));
         }
-        if topics.is_some() {
-            return Err(DatasetError::bad(
-                dir,
-                format!("no ROS 2 bag: {METADATA} is missing; topics are its"),
-            ));
-        }
-        let (lists, imu) = euroc::read(dir)?;
-        match Self::new(lists, Source::File, imu, None) {
-            recording if recording.shots.is_empty() => Err(DatasetError::bad(dir, no_frames(dir))),
-            recording => Ok(recording),
-        }
+        Ok(recording)
     }
 
-    fn new<T>(
-        lists: [List<T>; 2],
-        source: fn(T) -> Source,
-        imu: Option<Readings>,
-        topics: Option<Topics>,
-    ) -> Self {
+    fn new<T>(lists: [List<T>; 2], source: fn(T) -> Source) -> Self {
         let sources = lists.map(|list| list.into_iter().map(|(time, place)| (time, source(place))).collect());
         let shot = |(timestamp_ns, images)| Shot { timestamp_ns, images };
-        Self { shots: pair(&sources).into_iter().map(shot).collect(), imu, topics }
+        let shots = pair(&sources).into_iter().map(shot).collect();
+        Self { shots, imu: None, topics: None, faults: Faults::default(), notes: Vec::new() }
     }
+}
+
+fn read_folder(path: &Path, calibration: &Calibration) -> Result<Recording, DatasetError> {
+    let folder = euroc::folder(path);
+    let cameras = [0, 1].map(|number| calibration.names[number].as_deref());
+    let euroc::Contents { frames, imu, faults } = euroc::read(&folder, cameras)?;
+    let notes = if folder == path { vec![] } else { vec![format!("{} is read", folder.display())] };
+    Ok(Recording { imu, faults, notes, ..Recording::new(frames, Source::File) })
+}
+
+#[cfg(feature = "bag")]
+fn is_bag(path: &Path) -> bool {
+    bag::is_one(path)
 }
 
 #[cfg(feature = "bag")]
 fn read_bag(
-    dir: &Path,
+    path: &Path,
     topics: Option<&Topics>,
     calibration: &Calibration,
     progress: &dyn Progress,
 ) -> Result<Recording, DatasetError> {
-    let bag::Contents { frames, imu, topics } =
-        bag::read(dir, &dir.join(METADATA), topics, calibration, progress)?;
-    Ok(Recording::new(frames, Source::Message, imu, Some(topics)))
+    let bag::Contents { frames, imu, topics, faults, notes } =
+        bag::read(path, topics, calibration, progress)?;
+    Ok(Recording { imu, topics: Some(topics), faults, notes, ..Recording::new(frames, Source::Message) })
+}
+
+#[cfg(not(feature = "bag"))]
+fn is_bag(path: &Path) -> bool {
+    path.is_file() || path.join("metadata.yaml").exists()
 }
 
 #[cfg(not(feature = "bag"))]
 fn read_bag(
-    dir: &Path,
+    path: &Path,
     _: Option<&Topics>,
     _: &Calibration,
     _: &dyn Progress,
 ) -> Result<Recording, DatasetError> {
-    Err(DatasetError::bad(dir, "a ROS 2 bag, and this program was built without the feature 'bag'"))
+    Err(DatasetError::bad(path, "a ROS 2 bag, and this program was built without the feature 'bag'"))
 }
 
-/// The error for a folder that has neither lists nor metadata.
-fn no_frames(dir: &Path) -> String {
-    let is_of_bag = |path: PathBuf| {
-        path.extension()
-            .is_some_and(|extension| ["db3", "mcap", "zstd"].iter().any(|known| extension == *known))
-    };
-    let has_parts =
-        std::fs::read_dir(dir).is_ok_and(|entries| entries.flatten().any(|entry| is_of_bag(entry.path())));
-    match has_parts {
-        true => {
-            format!("{METADATA} is missing beside the files of a ROS 2 bag; 'ros2 bag reindex' writes it")
-        }
-        false => format!(
-            "no frames; a recording is a folder with cam0/data.csv or cam1/data.csv, as the EuRoC layout has them, or \
-             with {METADATA} of a ROS 2 bag"
-        ),
+/// The error for what is no recording.
+fn no_frames(path: &Path) -> String {
+    if !path.exists() {
+        return "does not exist".to_owned();
     }
+    if path
+        .extension()
+        .is_some_and(|extension| ["mp4", "mov", "avi", "mkv", "insv"].iter().any(|e| extension == *e))
+    {
+        return "this is a video; decode it to images with their times first".to_owned();
+    }
+    "no frames; a recording is a folder with cam0/data.csv or cam1/data.csv, as the EuRoC layout has them, or a ROS 2 \
+     bag: a folder with metadata.yaml, or a file .mcap or .db3"
+        .to_owned()
 }
 
 #[cfg(test)]
@@ -182,7 +202,15 @@ mod tests {
         assert!(message(folder.path(), Some(&Topics::default())).contains("no ROS 2 bag"));
         let part = folder.path().join("a_0.mcap");
         std::fs::write(&part, "").unwrap();
-        assert!(message(folder.path(), None).contains("metadata.yaml is missing"));
-        assert!(message(&part, None).contains("a_0.mcap: no frames"), "not the folder, but its file");
+        assert!(message(folder.path(), None).contains("a_0.mcap: neither an MCAP nor an SQLite file"));
+        assert!(message(&part, None).contains("a_0.mcap: no frames"));
+        assert!(message(Path::new("no/such"), None).contains("no/such: does not exist"));
+        let video = folder.path().join("tour.mp4");
+        std::fs::write(&video, "x").unwrap();
+        assert!(message(&video, None).contains("this is a video"));
+        let ros1 = folder.path().join("tour.bag");
+        std::fs::write(&ros1, "#ROSBAG V2.0\n").unwrap();
+        let named = message(&ros1, None);
+        assert!(named.contains("this is a ROS 1 bag") && named.contains("rosbags-convert"), "{named}");
     }
 }

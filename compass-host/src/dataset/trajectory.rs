@@ -1,12 +1,17 @@
 //! Trajectories with interpolation between their poses.
 
+use super::faults::Faults;
 use super::tum::{self, Pose, TumError};
 use crate::site::wrapped;
 use compass_core::pose::track::Motion;
 use std::path::Path;
 
-/// Poses farther apart than this are not interpolated, nanoseconds.
+/// Poses up to this far apart are interpolated, nanoseconds.
 const GAP_NS: u64 = 1_000_000_000;
+/// Sparser trajectories are interpolated over gaps of up to this many of their usual spacings, ...
+const SPACINGS: u64 = 2;
+/// ... and up to this far, nanoseconds: nobody walks straight for longer.
+const LONGEST_GAP_NS: u64 = 5_000_000_000;
 /// Outside an interpolated interval, the nearest pose is used up to this far, nanoseconds.
 const NEAR_NS: u64 = 20_000_000;
 
@@ -14,28 +19,53 @@ const NEAR_NS: u64 = 20_000_000;
 #[derive(Debug, Clone)]
 pub struct Trajectory {
     poses: Vec<Pose>,
+    /// Poses up to this far apart are interpolated, nanoseconds.
+    gap_ns: u64,
+    faults: Faults,
 }
 
 impl Trajectory {
-    /// Reads TUM lines, in any order; of two poses at one time the first is kept.
+    /// Reads TUM lines, in any order; lines that are no pose are left out, and of two poses at one time the first is kept.
     ///
     /// # Errors
-    /// [`TumError`]: a file that cannot be read or has no pose, or a line that is not a pose.
+    /// [`TumError`]: a file that cannot be read or has no pose.
     pub fn read(path: &Path) -> Result<Self, TumError> {
-        let mut poses = tum::read(path)?;
-        poses.sort_by_key(|pose| pose.timestamp_ns);
-        poses.dedup_by_key(|pose| pose.timestamp_ns);
-        Ok(Self { poses })
+        let (poses, faults) = tum::read_tolerant(path)?;
+        Ok(Self { faults, ..Self::new(poses) })
     }
 
-    /// The pose at a time, interpolated between poses at most a second apart; else the nearest within 20 ms.
+    fn new(mut poses: Vec<Pose>) -> Self {
+        poses.sort_by_key(|pose| pose.timestamp_ns);
+        poses.dedup_by_key(|pose| pose.timestamp_ns);
+        let mut spacings: Vec<_> =
+            poses.windows(2).map(|pair| pair[1].timestamp_ns - pair[0].timestamp_ns).collect();
+        spacings.sort_unstable();
+        let usual = spacings.get(spacings.len() / 2).copied().unwrap_or_default();
+        let gap_ns = usual.saturating_mul(SPACINGS).clamp(GAP_NS, LONGEST_GAP_NS);
+        Self { poses, gap_ns, faults: Faults::default() }
+    }
+
+    /// The lines that were left out.
+    #[must_use]
+    pub const fn faults(&self) -> &Faults {
+        &self.faults
+    }
+
+    /// First and last time, nanoseconds.
+    #[must_use]
+    pub fn span(&self) -> Option<[u64; 2]> {
+        Some([self.poses.first()?.timestamp_ns, self.poses.last()?.timestamp_ns])
+    }
+
+    /// The pose at a time, interpolated between poses at most a second apart, or twice their usual spacing if that is
+    /// more, up to 5 s; else the nearest within 20 ms.
     #[must_use]
     pub fn at(&self, timestamp_ns: u64) -> Option<Pose> {
         let next = self.poses.partition_point(|pose| pose.timestamp_ns < timestamp_ns);
         let after = self.poses.get(next);
         let before = next.checked_sub(1).and_then(|at| self.poses.get(at));
         if let (Some(before), Some(after)) = (before, after)
-            && after.timestamp_ns - before.timestamp_ns <= GAP_NS
+            && after.timestamp_ns - before.timestamp_ns <= self.gap_ns
         {
             return Some(between(before, after, timestamp_ns));
         }
@@ -74,8 +104,12 @@ mod tests {
 
     fn trajectory() -> Trajectory {
         let pose = |time, x, heading| Pose::looking(time, [x, 2.0, 1.5], heading, 10.0, 180.0);
-        let poses = vec![pose(1_000_000_000, 1.0, 170.0), pose(1_500_000_000, 2.0, -170.0)];
-        Trajectory { poses: [poses, vec![pose(9_000_000_000, 5.0, 0.0)]].concat() }
+        let poses = vec![
+            pose(500_000_000, 0.0, 170.0),
+            pose(1_000_000_000, 1.0, 170.0),
+            pose(1_500_000_000, 2.0, -170.0),
+        ];
+        Trajectory::new([poses, vec![pose(9_000_000_000, 5.0, 0.0)]].concat())
     }
 
     #[test]
@@ -89,6 +123,20 @@ mod tests {
         for none in [0, 2_000_000_000, 8_900_000_000, 9_100_000_000] {
             assert!(trajectory.at(none).is_none(), "{none}");
         }
+    }
+
+    #[test]
+    fn sparse_poses_are_interpolated() {
+        let every = |spacing: u64| {
+            let pose = |at: u64| Pose::looking(at * spacing, [at as f64, 0.0, 1.5], 0.0, 0.0, 0.0);
+            // One pose is missing.
+            Trajectory::new([0, 1, 2, 4, 5].map(pose).to_vec())
+        };
+        let two = every(2_000_000_000);
+        assert_eq!(two.at(3_000_000_000).unwrap().position.x, 1.5);
+        assert_eq!(two.at(6_000_000_000).unwrap().position.x, 3.0);
+        assert!(every(4_000_000_000).at(12_000_000_000).is_none(), "8 s are too long");
+        assert!(every(6_000_000_000).at(3_000_000_000).is_none());
     }
 
     #[test]

@@ -1,8 +1,10 @@
 //! Trajectories as TUM lines, `timestamp tx ty tz qx qy qz qw`: seconds, metres, camera 0 to map.
 //!
-//! Blank lines and lines that begin with `#` are skipped. Timestamps keep their nanoseconds.
+//! They are read in any [dialect](super::table), and as state files of `EuRoC`, in nanoseconds and with qw before qx: a
+//! header tells, or 17 columns separated by commas. Timestamps keep their nanoseconds.
 
-use super::lines::{self, LinesError};
+use super::faults::{Faults, Item};
+use super::table::{self, Row, TableError, TimeUnit};
 use nalgebra::{Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -20,7 +22,7 @@ const NANOSECONDS: u64 = 1_000_000_000;
 pub enum TumError {
     /// The file cannot be read, or a line is not a pose.
     #[error(transparent)]
-    Lines(#[from] LinesError),
+    Table(#[from] TableError),
     /// The file has no pose.
     #[error("{}: no pose in it; lines of 'timestamp tx ty tz qx qy qz qw' are needed", path.display())]
     Empty {
@@ -91,21 +93,12 @@ impl Pose {
         )
     }
 
-    fn parse(line: &str) -> Result<Self, String> {
-        let words: Vec<&str> = line.split_whitespace().collect();
-        let [time, numbers @ ..] = words.as_slice() else { return Err("empty".to_owned()) };
-        let Ok(numbers): Result<&[&str; 7], _> = numbers.try_into() else {
-            return Err(format!(
-                "has {} fields; the eight of 'timestamp tx ty tz qx qy qz qw' are needed",
-                words.len()
-            ));
-        };
+    fn parse(row: &Row<'_>) -> Result<Self, String> {
+        let Layout { columns, unit } = Layout::of(row)?;
         let mut values = [0.0; 7];
-        for ((value, word), name) in
-            values.iter_mut().zip(numbers).zip(["tx", "ty", "tz", "qx", "qy", "qz", "qw"])
-        {
-            let number = word.parse::<f64>().ok().filter(|number| number.is_finite());
-            *value = number.ok_or_else(|| format!("{name} is '{word}', no finite number"))?;
+        let names = ["tx", "ty", "tz", "qx", "qy", "qz", "qw"];
+        for ((value, column), name) in values.iter_mut().zip(columns).zip(names) {
+            *value = row.number(column, name)?;
         }
         let [x, y, z, qx, qy, qz, qw] = values;
         let quaternion = Quaternion::new(qw, qx, qy, qz);
@@ -114,25 +107,61 @@ impl Pose {
             return Err(format!("quaternion has length {length:.3} instead of 1"));
         }
         Ok(Self {
-            timestamp_ns: nanoseconds(time)
-                .ok_or_else(|| format!("timestamp is '{time}', no number of seconds from 0 up"))?,
+            timestamp_ns: unit.map_or_else(|| row.nanoseconds(0), |unit| row.time(0, unit))?,
             position: Vector3::new(x, y, z),
             rotation: UnitQuaternion::from_quaternion(quaternion),
         })
     }
 }
 
-/// Nanoseconds from a decimal number of seconds, exact unless it has an exponent.
-fn nanoseconds(text: &str) -> Option<u64> {
-    let (whole, fraction) = text.split_once('.').unwrap_or((text, ""));
-    let digits = |part: &str| part.bytes().all(|byte| byte.is_ascii_digit());
-    if !digits(whole) || !digits(fraction) || whole.len() + fraction.len() == 0 {
-        let seconds = text.parse::<f64>().ok().filter(|s| (0.0..1e10).contains(s))?;
-        return Some((seconds * NANOSECONDS as f64).round() as u64);
+/// Columns of a TUM line.
+const TUM: [usize; 7] = [1, 2, 3, 4, 5, 6, 7];
+/// Columns of a state file of `EuRoC`: its quaternion begins with w.
+const STATE: [usize; 7] = [1, 2, 3, 5, 6, 7, 4];
+/// Number of columns of KITTI: three rows of a matrix.
+const KITTI_COLUMNS: usize = 12;
+/// Number of columns of a state file: with velocity and biases.
+const STATE_COLUMNS: usize = 17;
+
+/// Where tx, ty, tz, qx, qy, qz and qw stand, and the unit of time in the first column: of a state file either, by its
+/// digits.
+struct Layout {
+    columns: [usize; 7],
+    unit: Option<TimeUnit>,
+}
+
+impl Layout {
+    fn of(row: &Row<'_>) -> Result<Self, String> {
+        let told = row.told_unit(0);
+        if let Some(columns) = row.header.and_then(|header| {
+            let [x, y, z] = header.components(['x', 'y', 'z'], is_position)?;
+            let [qx, qy, qz, qw] = header.components(['x', 'y', 'z', 'w'], is_quaternion)?;
+            Some([x, y, z, qx, qy, qz, qw])
+        }) {
+            let is_state = row.header.is_some_and(|header| header.find(|name| name == "q_rs_w").is_some());
+            return Ok(Self { columns, unit: told.or((!is_state).then_some(TimeUnit::Seconds)) });
+        }
+        if row.len() == STATE_COLUMNS && row.has_commas() {
+            return Ok(Self { columns: STATE, unit: told });
+        }
+        if row.len() == KITTI_COLUMNS && row.header.is_none() {
+            return Err("has 12 fields, which looks like a pose of KITTI: it has no time".to_owned());
+        }
+        if row.len() > TUM[6] {
+            return Ok(Self { columns: TUM, unit: told.or(Some(TimeUnit::Seconds)) });
+        }
+        Err(format!("has {} fields; the eight of 'timestamp tx ty tz qx qy qz qw' are needed", row.len()))
     }
-    let seconds: u64 = if whole.is_empty() { 0 } else { whole.parse().ok()? };
-    let padded: String = fraction.chars().chain(std::iter::repeat('0')).take(9).collect();
-    seconds.checked_mul(NANOSECONDS)?.checked_add(padded.parse().ok()?)
+}
+
+fn is_quaternion(name: &str) -> bool {
+    (name.starts_with('q') || ["quat", "orientation", "rot"].iter().any(|part| name.contains(part)))
+        && !name.contains("cov")
+}
+
+fn is_position(name: &str) -> bool {
+    let begins = name.len() == 1 || name.starts_with(['p', 't']) || name.contains("pos");
+    begins && !is_quaternion(name) && !["time", "twist", "cov"].iter().any(|part| name.contains(part))
 }
 
 /// Reads a trajectory, in the order of its lines.
@@ -146,19 +175,44 @@ pub fn read(path: &Path) -> Result<Vec<Pose>, TumError> {
 /// Reads a trajectory and applies a check to each pose, which returns what is wrong with it.
 ///
 /// # Errors
-/// As [`read`], and [`LinesError::Line`] for a pose that fails the check.
+/// As [`read`], and [`TableError::Line`] for a pose that fails the check.
 pub fn read_checked(
     path: &Path,
-    mut check: impl FnMut(&Pose) -> Result<(), String>,
+    check: impl FnMut(&Pose) -> Result<(), String>,
 ) -> Result<Vec<Pose>, TumError> {
+    let (poses, visited) = visit(path, check)?;
+    match visited.rejected.into_iter().next() {
+        Some((line, problem)) => Err(TableError::Line { path: path.to_path_buf(), line, problem }.into()),
+        None => Ok(poses),
+    }
+}
+
+/// Reads a trajectory and leaves out the lines that are no pose.
+///
+/// # Errors
+/// [`TumError`]: a file that cannot be read or has no pose.
+pub fn read_tolerant(path: &Path) -> Result<(Vec<Pose>, Faults), TumError> {
+    let (poses, visited) = visit(path, |_| Ok(()))?;
+    let mut faults = Faults::default();
+    faults.count_used(Item::Pose, visited.taken);
+    for (line, problem) in visited.rejected {
+        faults.add_line(Item::Pose, path, line, problem);
+    }
+    Ok((poses, faults))
+}
+
+fn visit(
+    path: &Path,
+    mut check: impl FnMut(&Pose) -> Result<(), String>,
+) -> Result<(Vec<Pose>, table::Visited), TumError> {
     let mut poses = Vec::new();
-    lines::visit(path, |line| {
-        let pose = Pose::parse(line)?;
+    let visited = table::visit(path, |row| {
+        let pose = Pose::parse(row)?;
         check(&pose)?;
         poses.push(pose);
         Ok(())
     })?;
-    if poses.is_empty() { Err(TumError::Empty { path: path.to_path_buf() }) } else { Ok(poses) }
+    if poses.is_empty() { Err(TumError::Empty { path: path.to_path_buf() }) } else { Ok((poses, visited)) }
 }
 
 /// Formats a trajectory as text.
@@ -204,12 +258,55 @@ mod tests {
             ("1 2 x 4 0 0 0 1", "ty is 'x'"),
             ("1 2 inf 4 0 0 0 1", "ty is 'inf'"),
             ("-1 2 3 4 0 0 0 1", "timestamp is '-1'"),
+            ("1 0 0 0 0 1 0 0 0 0 1 0", "looks like a pose of KITTI"),
+            ("100000000000 2 3 4 0 0 0 1", "looks like nanoseconds"),
             ("1 2 3 4 0 0 0 2", "length 2.000"),
         ] {
             let message = written(&format!("# head\n{line}\n")).unwrap_err().to_string();
             assert!(message.contains("poses.tum:2: ") && message.contains(named), "{message}");
         }
         assert!(written("# nothing\n").unwrap_err().to_string().contains("no pose"));
+    }
+
+    #[test]
+    fn dialects_and_state_files_are_read() {
+        let expected = Pose {
+            timestamp_ns: 1_500_000_000,
+            position: Vector3::new(1.0, 2.0, 3.0),
+            rotation: UnitQuaternion::from_quaternion(Quaternion::new(0.5, 0.5, -0.5, 0.5)),
+        };
+        let zeros = ",0".repeat(9);
+        for text in [
+            "1.5,1,2,3,0.5,-0.5,0.5,0.5\n".to_owned(),
+            "timestamp\ttx\tty\ttz\tqx\tqy\tqz\tqw\n1.5\t1\t2\t3\t0.5\t-0.5\t0.5\t0.5\n".to_owned(),
+            "1,5;1;2;3;0,5;-0,5;0,5;0,5\n".to_owned(),
+            "# timestamp [ns] tx ty tz qx qy qz qw\n1500000000 1 2 3 0.5 -0.5 0.5 0.5\n".to_owned(),
+            "t,px,py,pz,qw,qx,qy,qz\n1.5,1,2,3,0.5,0.5,-0.5,0.5\n".to_owned(),
+            format!("1500000000,1,2,3,0.5,0.5,-0.5,0.5{zeros}\n"),
+            "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []\n\
+             1500000000,1,2,3,0.5,0.5,-0.5,0.5\n"
+                .to_owned(),
+            "%time,field.pose.position.x,field.pose.position.y,field.pose.position.z,field.pose.orientation.x,\
+             field.pose.orientation.y,field.pose.orientation.z,field.pose.orientation.w\n\
+             1.5,1,2,3,0.5,-0.5,0.5,0.5\n"
+                .to_owned(),
+        ] {
+            let poses = written(&text).unwrap();
+            let [found] = poses[..] else { panic!("{text}: {poses:?}") };
+            assert_eq!(found.timestamp_ns, expected.timestamp_ns, "{text}");
+            assert!((found.position - expected.position).amax() < 1e-12, "{text}");
+            assert!(found.rotation.angle_to(&expected.rotation) < 1e-9, "{text}");
+        }
+    }
+
+    #[test]
+    fn bad_lines_may_be_left_out() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("poses.tum");
+        std::fs::write(&path, "1 2 3 4 0 0 0 1\n2 nan nan nan nan nan nan nan\n").unwrap();
+        let (poses, faults) = read_tolerant(&path).unwrap();
+        assert_eq!((poses.len(), faults.to_string()), (1, "1 of 2 poses".to_owned()));
+        assert!(faults.first()[0].place.ends_with("poses.tum:2"));
     }
 
     #[test]

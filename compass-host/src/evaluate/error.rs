@@ -1,7 +1,5 @@
 //! Why an evaluation stopped.
 
-use crate::calibration::CalibrationError;
-use crate::dataset::recording::DatasetError;
 use crate::figures::FigureError;
 use crate::image_file::ImageFileError;
 use crate::locator::NoPlan;
@@ -13,12 +11,6 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum EvaluateError {
-    /// A frame of the recording cannot be read.
-    #[error(transparent)]
-    Dataset(#[from] DatasetError),
-    /// The calibration does not fit the frames.
-    #[error(transparent)]
-    Calibration(#[from] CalibrationError),
     /// A floor has no plan.
     #[error(transparent)]
     NoPlan(#[from] NoPlan),
@@ -56,6 +48,9 @@ pub enum EvaluateError {
     /// The threads could not be started.
     #[error(transparent)]
     Threads(#[from] rayon::ThreadPoolBuildError),
+    /// No frame of the recording can be used; the problem of the first.
+    #[error("{0}")]
+    NoneReadable(String),
     /// A frame has no record after all workers ended.
     #[error("a frame has no result")]
     NoResult,

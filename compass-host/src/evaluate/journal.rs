@@ -132,6 +132,8 @@ mod tests {
             timestamp_ns,
             fingerprint: String::new(),
             problem: None,
+            is_unreadable: false,
+            halves: None,
             up: Some([0.1, -0.9, 0.3]),
             up_from: crate::up::UpFrom::Both,
             height_m: 1.7,

@@ -26,13 +26,14 @@ pub fn by_error(frames: &[FrameErrors]) -> Vec<&FrameErrors> {
 /// Writes `worst_1.png` and so on, both cameras side by side.
 ///
 /// # Errors
-/// Names the frame that cannot be read, or the file that cannot be written.
+/// Names the file that cannot be written.
 pub fn draw(dir: &Path, frames: &[FrameErrors], shots: &[Shot]) -> Result<Vec<Picture>> {
     let mut pictures = Vec::new();
     for (rank, frame) in by_error(frames).into_iter().take(PICTURES).enumerate() {
         let Some(shot) = shots.iter().find(|shot| shot.timestamp_ns == frame.timestamp_ns) else { continue };
-        let read = |image: &Option<Source>| image.as_ref().map(Source::read).transpose();
-        let images: [Option<Frame>; 2] = [read(&shot.images[0])?, read(&shot.images[1])?];
+        // A frame that cannot be read is dark.
+        let read = |image: &Option<Source>| image.as_ref().and_then(|image| image.read().ok());
+        let images: [Option<Frame>; 2] = [read(&shot.images[0]), read(&shot.images[1])];
         let file = format!("worst_{}.png", rank + 1);
         write_png(&dir.join(&file), &beside(&images))?;
         let metres = frame.metres[0];

@@ -40,6 +40,12 @@ pub struct Record {
     /// Why the frame gave no evidence.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub problem: Option<String>,
+    /// Whether the problem is that an image cannot be read or does not fit the calibration.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub is_unreadable: bool,
+    /// How both lenses lay in one image, if they did.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub halves: Option<String>,
     /// The up vector in cam0.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub up: Option<[f32; 3]>,

@@ -4,6 +4,7 @@ use super::error::Result;
 use super::frame_errors::FrameErrors;
 use super::largest_errors;
 use super::row::Row;
+use crate::dataset::faults::{Fault, Faults};
 use crate::figures::{self, ErrorCurve, ErrorSeries, Fix, PlanPicture, TrajectoryPicture};
 use crate::report::{Picture, Section, Table, write_html};
 use crate::wall_check::Walls;
@@ -33,6 +34,10 @@ pub struct ReportData<'a> {
     pub walls: &'a Walls,
     /// Pictures of the worst frames.
     pub largest_errors: &'a [Picture],
+    /// What of the recording was left out.
+    pub faults: &'a Faults,
+    /// What else there is to know of the recording.
+    pub notes: &'a [String],
 }
 
 /// Draws the pictures and writes `report.html`.
@@ -109,7 +114,7 @@ fn draw_distribution(path: &Path, data: &ReportData<'_>) -> Result<()> {
 
 fn sections(data: &ReportData<'_>) -> Vec<Section> {
     let picture = |file: &str, caption: &str| Picture { file: file.into(), caption: caption.into() };
-    vec![
+    let sections = vec![
         Section {
             title: "How well?".into(),
             text: vec![
@@ -155,7 +160,28 @@ fn sections(data: &ReportData<'_>) -> Vec<Section> {
             }],
             ..Section::default()
         },
-    ]
+    ];
+    sections.into_iter().chain(left_out(data)).collect()
+}
+
+/// What of the recording was not used, if there is anything.
+fn left_out(data: &ReportData<'_>) -> Option<Section> {
+    let faults = data.faults;
+    if faults.is_empty() && data.notes.is_empty() {
+        return None;
+    }
+    let row = |fault: &Fault| vec![fault.place.clone(), fault.problem.clone()];
+    let table = Table {
+        caption: format!("{faults}; the first {} of them", faults.first().len()),
+        head: ["where", "problem"].map(String::from).into(),
+        rows: faults.first().iter().map(row).collect(),
+    };
+    Some(Section {
+        title: "Left out".into(),
+        text: data.notes.to_vec(),
+        tables: if faults.is_empty() { vec![] } else { vec![table] },
+        ..Section::default()
+    })
 }
 
 fn recall(rows: &[Row]) -> Table {

@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 /// Localizes the shots that the journal lacks, `jobs` at a time, and returns the records of all shots in order.
 ///
 /// # Errors
-/// Names the file of the first frame that cannot be read, or the output that cannot be written.
+/// Names the output that cannot be written; [`EvaluateError::NoneReadable`] if no image of any shot can be used.
 pub fn localize(
     job: &Job<'_>,
     shots: &[Shot],
@@ -48,7 +48,14 @@ pub fn localize(
     match failed.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner) {
         Some(error) => Err(error),
         None => {
-            shots.iter().map(|shot| journal.get(shot.timestamp_ns).ok_or(EvaluateError::NoResult)).collect()
+            let get = |shot: &Shot| journal.get(shot.timestamp_ns).ok_or(EvaluateError::NoResult);
+            let records: Vec<Record> = shots.iter().map(get).collect::<Result<_>>()?;
+            match records.first() {
+                Some(Record { problem: Some(problem), .. }) if records.iter().all(|r| r.is_unreadable) => {
+                    Err(EvaluateError::NoneReadable(problem.clone()))
+                }
+                _ => Ok(records),
+            }
         }
     }
 }

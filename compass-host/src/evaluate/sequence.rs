@@ -153,6 +153,8 @@ mod tests {
             timestamp_ns: 7,
             fingerprint: String::new(),
             problem: None,
+            is_unreadable: false,
+            halves: None,
             up: Some(up),
             up_from: crate::up::UpFrom::Image,
             height_m: 1.4,

@@ -8,6 +8,7 @@ use super::paper::Paper;
 use super::record::{Found, PAPER, Record};
 use crate::clock::Clock;
 use crate::dataset::recording::{Shot, Source};
+use crate::dual_image::{self, Halves};
 use crate::frame::Frame;
 use crate::locator::{Locator, NoPlan, SeeError, see};
 use crate::site;
@@ -27,6 +28,15 @@ use std::collections::BTreeMap;
 struct Look {
     evidence: Evidence,
     up: [f32; 3],
+}
+
+/// The frames of an instant.
+struct Instant {
+    /// Index of the locator for their sizes.
+    locator: usize,
+    frames: [Option<Frame>; 2],
+    /// How both lenses lay in one image, if they did.
+    halves: Option<Halves>,
 }
 
 /// Sizes of the frames of the two cameras.
@@ -58,20 +68,20 @@ impl<'a> Worker<'a> {
         Ok(Self { job, locators: Vec::new(), search, paper: Paper::default() })
     }
 
-    /// Localizes a frame by every method and stores its evidence.
+    /// Localizes a frame by every method and stores its evidence. Images that cannot be read are the frame's problem.
     ///
     /// # Errors
-    /// Names the file that cannot be read or written.
+    /// Names the file that cannot be written.
     pub fn record(&mut self, shot: &Shot) -> Result<Record> {
         let mut clock = Clock::start();
-        let read = |camera: usize| shot.images[camera].as_ref().map(Source::read).transpose();
-        let frames = [read(0)?, read(1)?];
-        let frames = frames.each_ref().map(Option::as_ref);
+        let read = self.read(shot);
         clock.stage("read");
         let mut record = Record {
             timestamp_ns: shot.timestamp_ns,
             fingerprint: String::new(),
             problem: None,
+            is_unreadable: false,
+            halves: None,
             up: None,
             up_from: UpFrom::Image,
             height: 0,
@@ -85,26 +95,55 @@ impl<'a> Worker<'a> {
         };
         let up =
             UpSources { from: UpFrom::Both, mount: self.job.mount, imu: self.job.gravity(shot.timestamp_ns) };
-        match self.see(frames, &up, &mut clock)? {
-            Ok((looks, up_from)) => {
-                record.up_from = up_from;
-                self.search(looks, &mut record, &mut clock)?;
+        match read {
+            Ok(Instant { locator, frames, halves }) => {
+                record.halves = halves.map(|halves| halves.note().to_owned());
+                let frames = frames.each_ref().map(Option::as_ref);
+                match self.see(locator, frames, &up, &mut clock) {
+                    Ok((looks, up_from)) => {
+                        record.up_from = up_from;
+                        self.search(looks, &mut record, &mut clock)?;
+                    }
+                    Err(problem) => record.problem = Some(problem.to_string()),
+                }
             }
-            Err(problem) => record.problem = Some(problem.to_string()),
+            Err(problem) => (record.problem, record.is_unreadable) = (Some(problem), true),
         }
         self.oracle(&mut record, &mut clock);
         record.milliseconds = clock.stages().iter().map(|(stage, ms)| ((*stage).to_owned(), *ms)).collect();
         Ok(record)
     }
 
+    /// The frames of an instant, or what is wrong with them.
+    fn read(&mut self, shot: &Shot) -> Result<Instant, String> {
+        let read = |camera: usize| shot.images[camera].as_ref().map(Source::read).transpose();
+        let frames = [read(0).map_err(|e| e.to_string())?, read(1).map_err(|e| e.to_string())?];
+        let (frames, halves) = dual_image::split(self.job.calibration, frames);
+        let sizes = frames.each_ref().map(|frame| frame.as_ref().map(|f| (f.width(), f.height())));
+        let known = self.locators.iter().position(|(known, _)| *known == sizes);
+        let locator = match known {
+            Some(known) => known,
+            None => {
+                let rig = self.job.calibration.rig(sizes).map_err(|error| {
+                    let names: Vec<_> = shot.images.iter().flatten().map(Source::name).collect();
+                    format!("{}: {error}", names.join(", "))
+                })?;
+                self.locators.push((sizes, Locator::without_site(rig, Settings::FULL)));
+                self.locators.len() - 1
+            }
+        };
+        Ok(Instant { locator, frames, halves })
+    }
+
     /// The evidence of the frames with each up vector that may be right, and the source of those; or why there is none.
     fn see(
         &mut self,
+        locator: usize,
         frames: [Option<&Frame>; 2],
         up: &UpSources,
         clock: &mut Clock,
-    ) -> Result<Result<(Vec<Look>, UpFrom), SeeError>> {
-        let locator = self.locator(frames.map(|frame| frame.map(|frame| (frame.width(), frame.height()))))?;
+    ) -> Result<(Vec<Look>, UpFrom), SeeError> {
+        let locator = &mut self.locators[locator].1;
         let mut observe = || {
             let mut segmented = locator.segment(frames)?;
             let (candidates, from) = up.candidates(&mut segmented)?;
@@ -119,20 +158,7 @@ impl<'a> Worker<'a> {
         };
         let seen = observe();
         clock.extend(locator.watch().milliseconds());
-        Ok(seen)
-    }
-
-    /// The locator for frames of these sizes.
-    fn locator(&mut self, sizes: Sizes) -> Result<&mut Locator<'static>> {
-        let at = match self.locators.iter().position(|(known, _)| *known == sizes) {
-            Some(at) => at,
-            None => {
-                let rig = self.job.calibration.rig(sizes)?;
-                self.locators.push((sizes, Locator::without_site(rig, Settings::FULL)));
-                self.locators.len() - 1
-            }
-        };
-        Ok(&mut self.locators[at].1)
+        seen
     }
 
     /// The pose search, in which the plan decides which way is up, and the paper's matching.

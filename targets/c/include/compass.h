@@ -207,6 +207,11 @@ enum CompassLensModel
   COMPASS_LENS_MODEL_KANNALA_BRANDT = 1,
   // Enhanced unified camera model: "eucm" in Kalibr.
   COMPASS_LENS_MODEL_EUCM = 2,
+  // Double sphere model: "ds" in Kalibr.
+  COMPASS_LENS_MODEL_DOUBLE_SPHERE = 3,
+  // Unified omnidirectional model with distortion: "omni" with "radtan" or "none" in Kalibr; with xi 0 its "pinhole" with
+  // these.
+  COMPASS_LENS_MODEL_OMNI = 4,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -271,12 +276,34 @@ typedef struct {
   float beta;
 } CompassEucm;
 
+// Parameters of COMPASS_LENS_MODEL_DOUBLE_SPHERE.
+typedef struct {
+  // Distance of the two centres, above -1, at most 1.
+  float xi;
+  // Share of the second sphere in the model, 0 to 1.
+  float alpha;
+} CompassDoubleSphere;
+
+// Parameters of COMPASS_LENS_MODEL_OMNI.
+typedef struct {
+  // Distance of the sphere's centre from that of the projection, from 0 up: 0 is a pinhole.
+  float xi;
+  // Radial coefficients k1 to k3, of the radius to the powers of 2, 4 and 6; Kalibr has no k3.
+  float k[3];
+  // Tangential coefficients p1 and p2.
+  float p[2];
+} CompassOmni;
+
 // Parameters of the lens: those of its model.
 typedef union {
   // Of COMPASS_LENS_MODEL_KANNALA_BRANDT.
   CompassKannalaBrandt kannala_brandt;
   // Of COMPASS_LENS_MODEL_EUCM.
   CompassEucm eucm;
+  // Of COMPASS_LENS_MODEL_DOUBLE_SPHERE.
+  CompassDoubleSphere double_sphere;
+  // Of COMPASS_LENS_MODEL_OMNI.
+  CompassOmni omni;
 } CompassLensParameters;
 
 // A lens; the centre of the top left pixel is (0, 0).

@@ -6,8 +6,8 @@ use compass_core::base::num::Metres;
 use compass_core::map::site::MAX_NAME_BYTES;
 use compass_core::pose::FloorLayer;
 use compass_core::{
-    BitMask, Camera, CameraError, Estimate, Eucm, ExclusionMask, Fix, Frame, GrayImage, Intrinsics,
-    KannalaBrandt, LocateError, Motion, Nats, Scan, ScoredPose, View,
+    BitMask, Camera, CameraError, DoubleSphere, Estimate, Eucm, ExclusionMask, Fix, Frame, GrayImage,
+    Intrinsics, KannalaBrandt, LocateError, Motion, Nats, Omni, Radtan, Scan, ScoredPose, View,
 };
 use core::ffi::c_char;
 use core::{fmt, slice};
@@ -39,6 +39,11 @@ pub enum CompassLensModel {
     KannalaBrandt = 1,
     /// Enhanced unified camera model: "eucm" in Kalibr.
     Eucm = 2,
+    /// Double sphere model: "ds" in Kalibr.
+    DoubleSphere = 3,
+    /// Unified omnidirectional model with distortion: "omni" with "radtan" or "none" in Kalibr; with xi 0 its "pinhole" with
+    /// these.
+    Omni = 4,
 }
 
 /// A model as C gives it: any number. The header calls it `CompassLensModel`.
@@ -64,6 +69,28 @@ pub struct CompassEucm {
     pub beta: f32,
 }
 
+/// Parameters of COMPASS_LENS_MODEL_DOUBLE_SPHERE.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct CompassDoubleSphere {
+    /// Distance of the two centres, above -1, at most 1.
+    pub xi: f32,
+    /// Share of the second sphere in the model, 0 to 1.
+    pub alpha: f32,
+}
+
+/// Parameters of COMPASS_LENS_MODEL_OMNI.
+#[repr(C)]
+#[derive(Debug, Clone, Copy)]
+pub struct CompassOmni {
+    /// Distance of the sphere's centre from that of the projection, from 0 up: 0 is a pinhole.
+    pub xi: f32,
+    /// Radial coefficients k1 to k3, of the radius to the powers of 2, 4 and 6; Kalibr has no k3.
+    pub k: [f32; 3],
+    /// Tangential coefficients p1 and p2.
+    pub p: [f32; 2],
+}
+
 /// Parameters of the lens: those of its model.
 #[repr(C)]
 #[derive(Clone, Copy)]
@@ -72,6 +99,10 @@ pub union CompassLensParameters {
     pub kannala_brandt: CompassKannalaBrandt,
     /// Of COMPASS_LENS_MODEL_EUCM.
     pub eucm: CompassEucm,
+    /// Of COMPASS_LENS_MODEL_DOUBLE_SPHERE.
+    pub double_sphere: CompassDoubleSphere,
+    /// Of COMPASS_LENS_MODEL_OMNI.
+    pub omni: CompassOmni,
 }
 
 impl fmt::Debug for CompassLensParameters {
@@ -148,6 +179,8 @@ impl CompassLens {
     fn camera(&self, number: u8) -> Result<Camera, Failure> {
         const KANNALA_BRANDT: i32 = CompassLensModel::KannalaBrandt as i32;
         const EUCM: i32 = CompassLensModel::Eucm as i32;
+        const DOUBLE_SPHERE: i32 = CompassLensModel::DoubleSphere as i32;
+        const OMNI: i32 = CompassLensModel::Omni as i32;
         let Self { fx, fy, cx, cy, parameters, .. } = *self;
         let intrinsics = Intrinsics { fx, fy, cx, cy };
         let camera: Result<Camera, CameraError> = match self.model.0 {
@@ -160,6 +193,16 @@ impl CompassLens {
                 // SAFETY: as before.
                 let CompassEucm { alpha, beta } = unsafe { parameters.eucm };
                 Eucm::new(intrinsics, alpha, beta).map(Camera::Eucm)
+            }
+            DOUBLE_SPHERE => {
+                // SAFETY: as before.
+                let CompassDoubleSphere { xi, alpha } = unsafe { parameters.double_sphere };
+                DoubleSphere::new(intrinsics, xi, alpha).map(Camera::DoubleSphere)
+            }
+            OMNI => {
+                // SAFETY: as before.
+                let CompassOmni { xi, k: [k1, k2, k3], p: [p1, p2] } = unsafe { parameters.omni };
+                Omni::new(intrinsics, xi, Radtan { k1, k2, p1, p2, k3 }).map(Camera::Omni)
             }
             _ => return Err(Failure::Model(number)),
         };

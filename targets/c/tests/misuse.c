@@ -237,6 +237,19 @@ static void cameras(Compass *compass) {
     eucm.lens.parameters.eucm.beta = 1.1f;
     EXPECT(OK, compass_set_camera(compass, 0, &eucm));
     EXPECT(ALIGNMENT, compass_set_camera(compass, 0, off(&eucm)));
+    CompassCamera spheres = front;
+    spheres.lens.model = COMPASS_LENS_MODEL_DOUBLE_SPHERE;
+    spheres.lens.parameters.double_sphere = (CompassDoubleSphere){.xi = -1.5f, .alpha = 0.6f};
+    EXPECT(CAMERA, compass_set_camera(compass, 0, &spheres));
+    IS(says(compass, "xi"), true);
+    spheres.lens.parameters.double_sphere.xi = -0.2f;
+    EXPECT(OK, compass_set_camera(compass, 0, &spheres));
+    CompassCamera omni = front;
+    omni.lens.model = COMPASS_LENS_MODEL_OMNI;
+    omni.lens.parameters.omni = (CompassOmni){.xi = 1.2f, .k = {NAN}};
+    EXPECT(CAMERA, compass_set_camera(compass, 0, &omni));
+    omni.lens.parameters.omni = (CompassOmni){.xi = 1.2f, .k = {-0.1f, 0.02f}, .p = {0.001f, -0.001f}};
+    EXPECT(OK, compass_set_camera(compass, 0, &omni));
     EXPECT(OK, compass_set_camera(compass, 0, NULL));
 }
 

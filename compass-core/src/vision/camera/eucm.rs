@@ -82,20 +82,47 @@ impl Eucm {
         self.beta
     }
 
+    /// Largest radius of the field, in focal lengths.
+    pub(super) const fn max_radius(&self) -> f32 {
+        self.max_radius
+    }
+
+    /// A bearing on the rim of the field.
+    pub(super) fn rim(&self) -> Bearing {
+        let z = self.depth(self.max_radius);
+        let length = libm::sqrtf(self.max_radius * self.max_radius + z * z);
+        Bearing::new(self.max_radius / length, 0.0, z / length)
+    }
+
+    /// Radius in focal lengths at an angle within the field.
+    pub(super) fn radius(&self, theta: f32) -> f32 {
+        let (sin, cos) = libm::sincosf(theta);
+        sin / (self.alpha * libm::sqrtf(self.beta * sin * sin + cos * cos) + (1.0 - self.alpha) * cos)
+    }
+
     pub(super) fn project(&self, bearing: &Bearing) -> Option<Pixel> {
+        self.project_within(bearing, self.max_radius)
+    }
+
+    /// The pixel of a bearing, if its radius is at most `max_radius`.
+    pub(super) fn project_within(&self, bearing: &Bearing, max_radius: f32) -> Option<Pixel> {
         let b = scaled_to_1(bearing)?;
         let rho2 = b.x * b.x + b.y * b.y;
         let d = libm::sqrtf(self.beta * rho2 + b.z * b.z);
         let denominator = self.alpha * d + (1.0 - self.alpha) * b.z;
         let radius = libm::sqrtf(rho2) / denominator;
-        let seen =
-            b.z >= -(self.behind + RIM) * d && denominator > 0.0 && radius <= self.max_radius * (1.0 + RIM);
+        let seen = b.z >= -(self.behind + RIM) * d && denominator > 0.0 && radius <= max_radius * (1.0 + RIM);
         if seen { self.intrinsics.pixel(b.x / denominator, b.y / denominator) } else { None }
     }
 
     pub(super) fn unproject(&self, pixel: Pixel) -> Option<Bearing> {
+        self.unproject_within(pixel, self.max_radius)
+    }
+
+    /// The bearing of a pixel, if its radius is at most `max_radius`.
+    pub(super) fn unproject_within(&self, pixel: Pixel, max_radius: f32) -> Option<Bearing> {
         let plane = self.intrinsics.plane(pixel);
-        let z = self.depth(plane.radius_within(self.max_radius)?);
+        let z = self.depth(plane.radius_within(max_radius)?);
         let length = libm::sqrtf(plane.radius * plane.radius + z * z);
         Some(Bearing::new(plane.x / length, plane.y / length, z / length))
     }

@@ -4,6 +4,8 @@
 //! |---|---|---|
 //! | [`KannalaBrandt`] | `theta + k1 theta^3 + k2 theta^5 + k3 theta^7 + k4 theta^9` | Kannala and Brandt 2006, as in `OpenCV` and Kalibr |
 //! | [`Eucm`] | `sin / (alpha sqrt(beta sin^2 + cos^2) + (1 - alpha) cos)` | Khomutenko, Garcia and Martinet 2016 |
+//! | [`DoubleSphere`] | `sin / (alpha d + (1 - alpha) (cos + xi))` with `d = sqrt(sin^2 + (cos + xi)^2)` | Usenko, Demmel and Cremers 2018 |
+//! | [`Omni`] | `sin / (cos + xi)`, then radial and tangential distortion; xi 0 is the pinhole | Mei and Rives 2007, as in `OpenCV` and Kalibr |
 //! | [`Equidistant`] | `theta` | the paper |
 //!
 //! Axes are `OpenCV`'s: x right, y down, z forward along the optical axis; the centre of the top left
@@ -19,14 +21,18 @@
 //! `f32` through `libm` alone, without fused operations: the same bits on every target. [`ROUND_TRIP_PX`],
 //! [`PROJECTION_ERROR_PX`] and [`BEARING_ERROR`] bound the errors.
 
+mod double_sphere;
 mod equidistant;
 mod eucm;
 mod kannala_brandt;
+mod omni;
 mod rig;
 
+pub use double_sphere::DoubleSphere;
 pub use equidistant::Equidistant;
 pub use eucm::Eucm;
 pub use kannala_brandt::KannalaBrandt;
+pub use omni::{Omni, Radtan};
 pub use rig::{CAMERAS, PerCamera, Rig, View};
 
 use core::fmt;
@@ -182,6 +188,10 @@ pub enum Camera {
     KannalaBrandt(KannalaBrandt),
     /// Enhanced unified camera model.
     Eucm(Eucm),
+    /// Double sphere model.
+    DoubleSphere(DoubleSphere),
+    /// Unified omnidirectional model with radial and tangential distortion, or a pinhole with it.
+    Omni(Omni),
     /// Radius proportional to the angle.
     Equidistant(Equidistant),
 }
@@ -219,6 +229,8 @@ impl Camera {
         match self {
             Self::KannalaBrandt(model) => model.project(bearing),
             Self::Eucm(model) => model.project(bearing),
+            Self::DoubleSphere(model) => model.project(bearing),
+            Self::Omni(model) => model.project(bearing),
             Self::Equidistant(model) => model.project(bearing),
         }
     }
@@ -232,8 +244,8 @@ impl Camera {
     /// [`ROUND_TRIP_PX`] (test `pixels_round_trip`).
     ///
     /// # Cost
-    /// The polynomial model inverts its polynomial by Newton's method with bisection, at most 40 steps; the others have no
-    /// iteration.
+    /// The polynomial model inverts its polynomial by Newton's method with bisection, at most 40 steps; [`Omni`] its
+    /// distortion by damped Newton's method, at most 48 steps; the others have no iteration.
     ///
     /// ```
     /// # use compass_core::{Bearing, Camera, CameraError, Intrinsics};
@@ -248,6 +260,8 @@ impl Camera {
         match self {
             Self::KannalaBrandt(model) => model.unproject(pixel),
             Self::Eucm(model) => model.unproject(pixel),
+            Self::DoubleSphere(model) => model.unproject(pixel),
+            Self::Omni(model) => model.unproject(pixel),
             Self::Equidistant(model) => model.unproject(pixel),
         }
     }
@@ -271,6 +285,8 @@ impl Camera {
         let intrinsics = match &mut camera {
             Self::KannalaBrandt(model) => &mut model.intrinsics,
             Self::Eucm(model) => &mut model.intrinsics,
+            Self::DoubleSphere(model) => &mut model.second.intrinsics,
+            Self::Omni(model) => &mut model.intrinsics,
             Self::Equidistant(model) => &mut model.intrinsics,
         };
         *intrinsics = intrinsics.scaled(sx, sy);
@@ -283,6 +299,8 @@ impl Camera {
         match self {
             Self::KannalaBrandt(model) => model.intrinsics,
             Self::Eucm(model) => model.intrinsics,
+            Self::DoubleSphere(model) => model.second.intrinsics,
+            Self::Omni(model) => model.intrinsics,
             Self::Equidistant(model) => model.intrinsics,
         }
     }
@@ -302,6 +320,8 @@ impl Camera {
         match self {
             Self::KannalaBrandt(model) => model.max_angle,
             Self::Eucm(model) => model.max_angle,
+            Self::DoubleSphere(model) => model.max_angle,
+            Self::Omni(model) => model.max_angle,
             Self::Equidistant(_) => WIDEST_ANGLE,
         }
     }
@@ -320,6 +340,8 @@ pub enum CameraError {
     Alpha,
     /// Beta is not positive.
     Beta,
+    /// Xi is negative, or of a double sphere outside -1 to 1.
+    Xi,
     /// The field is narrower than [`NARROWEST_ANGLE`], or the radius of its image smaller than that in focal lengths.
     Field,
     /// Width or height of an image is 0.
@@ -337,6 +359,7 @@ impl fmt::Display for CameraError {
             Self::Focal => "focal length is not positive",
             Self::Alpha => "alpha lies outside 0 to 1",
             Self::Beta => "beta is not positive",
+            Self::Xi => "xi is negative, or of a double sphere outside -1 to 1",
             Self::Field => "coefficients give a field of less than 6 degrees from the axis",
             Self::Size => "image side is zero",
             Self::Rotation => "matrix is no rotation",

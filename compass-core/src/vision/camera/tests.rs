@@ -17,8 +17,44 @@ fn equidistant() -> Camera {
     Camera::Equidistant(Equidistant::new(INTRINSICS).unwrap())
 }
 
-/// Lenses of all models: typical parameters and the ends of their ranges.
+fn double_sphere(xi: f32, alpha: f32) -> Camera {
+    Camera::DoubleSphere(DoubleSphere::new(INTRINSICS, xi, alpha).unwrap())
+}
+
+/// Distortion from k1, k2, p1, p2 and k3.
+fn radtan([k1, k2, p1, p2, k3]: [f32; 5]) -> Radtan {
+    Radtan { k1, k2, p1, p2, k3 }
+}
+
+fn omni(xi: f32, distortion: [f32; 5]) -> Camera {
+    Camera::Omni(Omni::new(INTRINSICS, xi, radtan(distortion)).unwrap())
+}
+
+/// Lenses of all models.
 fn lenses() -> Vec<Camera> {
+    let mut lenses = radial_lenses();
+    lenses.extend(sphere_lenses());
+    lenses
+}
+
+/// Double spheres and distorted unified lenses: typical parameters and the ends of their ranges.
+fn sphere_lenses() -> Vec<Camera> {
+    let mut lenses = Vec::new();
+    for xi in [-0.5, -0.2, 0.0, 0.3, 0.8] {
+        lenses.extend([0.0, 0.3, 0.5, 0.59, 0.75, 1.0].map(|alpha| double_sphere(xi, alpha)));
+    }
+    for xi in [0.0, 0.7, 1.0, 1.5, 2.2] {
+        lenses.extend([
+            omni(xi, [0.0; 5]),
+            omni(xi, [-0.25, 0.06, 0.0004, -0.0007, 0.0]),
+            omni(xi, [0.12, -0.02, -0.003, 0.002, 0.01]),
+        ]);
+    }
+    lenses
+}
+
+/// Lenses of the other models: typical parameters and the ends of their ranges.
+fn radial_lenses() -> Vec<Camera> {
     let mut lenses = std::vec![
         equidistant(),
         kannala_brandt([0.0; 4]),
@@ -48,10 +84,12 @@ fn axes_are_those_of_opencv() {
         let centre = lens.project(&Bearing::new(0.0, 0.0, 1.0)).unwrap();
         assert_eq!((centre.x, centre.y), (INTRINSICS.cx, INTRINSICS.cy), "{lens:?}");
         assert_eq!(lens.unproject(centre), Some(Bearing::new(0.0, 0.0, 1.0)));
+        // Tangential distortion bends the axes by fractions of a pixel.
+        let near = |a: f32, b: f32| (a - b).abs() < 0.05;
         let right = lens.project(&Bearing::new(0.1, 0.0, 1.0)).unwrap();
-        assert!(right.x > centre.x && right.y == centre.y, "{lens:?}");
+        assert!(right.x > centre.x && near(right.y, centre.y), "{lens:?}");
         let down = lens.project(&Bearing::new(0.0, 0.1, 1.0)).unwrap();
-        assert!(down.x == centre.x && down.y > centre.y, "{lens:?}");
+        assert!(near(down.x, centre.x) && down.y > centre.y, "{lens:?}");
     }
 }
 
@@ -69,6 +107,18 @@ fn formulas_at_known_points() {
     near(eucm(0.0, 1.0).project(&Bearing::new(2.0, 0.0, 1.0)), 2.0);
     // Alpha 1/2 and beta 1 is the stereographic lens, 2 tan(theta / 2).
     near(eucm(0.5, 1.0).project(&side), 2.0);
+    // Xi 0 is the unified model, alpha 0 a pinhole behind the moved centre.
+    near(double_sphere(0.0, 0.5).project(&side), 2.0);
+    near(double_sphere(0.5, 0.0).project(&side), 2.0);
+    near(double_sphere(-0.2, 0.6).project(&side), 1.0 / (0.6 * libm::sqrtf(1.04) - 0.4 * 0.2));
+    // tan(theta / 2), and a pinhole at 45 degrees.
+    near(omni(1.0, [0.0; 5]).project(&side), 1.0);
+    near(omni(0.0, [-0.2, 0.02, 0.0, 0.0, 0.005]).project(&Bearing::new(1.0, 0.0, 1.0)), 0.825);
+    // Along x: 3 p2 to the side, p1 across.
+    let bent = omni(1.0, [0.0, 0.0, 0.002, 0.001, 0.0]).project(&side).unwrap();
+    let expected =
+        Pixel { x: INTRINSICS.cx + INTRINSICS.fx * 1.003, y: INTRINSICS.cy + INTRINSICS.fy * 0.002 };
+    assert!(distance(bent, expected) < 1e-3, "{bent:?} {expected:?}");
     // Sideways the radius is 1 / (alpha sqrt(beta)).
     near(eucm(0.64, 0.81).project(&side), 1.0 / (0.64 * 0.9));
 }
@@ -83,6 +133,17 @@ fn the_field_ends_where_the_model_does() {
     let limit = libm::atan2f(libm::sqrtf(0.38 / 0.9), -0.31);
     assert!((eucm(0.69, 0.9).max_angle() - limit).abs() < 1e-3, "{} {limit}", eucm(0.69, 0.9).max_angle());
     assert!((eucm(0.0, 1.0).max_angle() - libm::atanf(WIDEST_RADIUS)).abs() < 1e-6);
+    // Beyond 1 / sqrt(2 alpha - 1) the second sphere has no image; from there it looks (alpha - 1) / (2 alpha - 1) back.
+    let [sin, cos] = [libm::sqrtf(1.0 / 0.18), -0.41 / 0.18]
+        .map(|v| v / libm::sqrtf(1.0 / 0.18 + (0.41 / 0.18) * (0.41 / 0.18)));
+    let k = -0.2 * cos + libm::sqrtf(1.0 - 0.04 * sin * sin);
+    let limit = libm::atan2f(k * sin, k * cos + 0.2);
+    assert!((double_sphere(-0.2, 0.59).max_angle() - limit).abs() < 1e-3, "{limit}");
+    assert!((omni(0.0, [0.0; 5]).max_angle() - libm::atanf(WIDEST_RADIUS)).abs() < 1e-6);
+    // Above xi 1 the radius is largest where cos is -1 / xi.
+    assert!((omni(2.0, [0.0; 5]).max_angle() - 2.0 * PI / 3.0).abs() < 1e-3);
+    // 1 - 0.75 r^2 vanishes at 1.1547.
+    assert!((omni(0.0, [-0.25, 0.0, 0.0, 0.0, 0.0]).max_angle() - libm::atanf(1.154_700_5)).abs() < 1e-5);
     for lens in lenses() {
         let limit = lens.max_angle();
         assert!(lens.project(&at(limit - 1e-3, 1.0)).is_some(), "{lens:?}");
@@ -147,6 +208,18 @@ fn rejects_invalid_parameters() {
     assert_eq!(lens(0.6, 0.0), CameraError::Beta);
     assert_eq!(lens(0.6, -1.0), CameraError::Beta);
     assert_eq!(lens(0.6, f32::MAX), CameraError::Field);
+    let lens = |xi, alpha| DoubleSphere::new(INTRINSICS, xi, alpha).unwrap_err();
+    assert_eq!(lens(-1.0, 0.5), CameraError::Xi);
+    assert_eq!(lens(1.1, 0.5), CameraError::Xi);
+    assert_eq!(lens(f32::NAN, 0.5), CameraError::NotFinite);
+    assert_eq!(lens(0.1, 1.5), CameraError::Alpha);
+    let lens = |xi, distortion| Omni::new(INTRINSICS, xi, radtan(distortion)).unwrap_err();
+    assert_eq!(lens(-0.1, [0.0; 5]), CameraError::Xi);
+    assert_eq!(lens(f32::INFINITY, [0.0; 5]), CameraError::NotFinite);
+    assert_eq!(lens(1.0, [0.0, f32::NAN, 0.0, 0.0, 0.0]), CameraError::NotFinite);
+    assert_eq!(lens(1.0, [-1000.0, 0.0, 0.0, 0.0, 0.0]), CameraError::Field);
+    assert_eq!(lens(1.0, [0.0, 0.0, 10.0, 0.0, 0.0]), CameraError::Field);
+    assert_eq!(lens(0.0, [f32::MAX; 5]), CameraError::Field);
 }
 
 #[test]
@@ -184,13 +257,18 @@ fn pixels_on_the_rim_round_trip() {
 /// Hash of the bits of projections and bearings; it differs on a target that rounds differently.
 #[test]
 fn bits_are_the_same_on_every_target() {
+    let sums = [radial_lenses(), sphere_lenses()].map(|lenses| bits(&lenses));
+    assert_eq!(sums, [0x10d2_152d_c85f_7b9b, 0xb962_5a21_7895_79e1], "{sums:#x?}");
+}
+
+fn bits(lenses: &[Camera]) -> u64 {
     let mut sum = 0xcbf2_9ce4_8422_2325_u64;
     let mut add = |value: f32| {
         for byte in value.to_bits().to_le_bytes() {
             sum = (sum ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
         }
     };
-    for lens in lenses() {
+    for lens in lenses {
         for step in 0..200_u16 {
             let pixel = Pixel { x: f32::from(step) * 7.0, y: 1400.0 - f32::from(step) * 5.5 };
             let Some(bearing) = lens.unproject(pixel) else { continue };
@@ -200,7 +278,7 @@ fn bits_are_the_same_on_every_target() {
             add(again.y);
         }
     }
-    assert_eq!(sum, 0x10d2_152d_c85f_7b9b, "{sum:#x}");
+    sum
 }
 
 fn intrinsics() -> impl Strategy<Value = Intrinsics> {
@@ -216,6 +294,11 @@ fn any_lens() -> impl Strategy<Value = Camera> {
             .prop_filter_map("field", |(i, k)| Some(Camera::KannalaBrandt(KannalaBrandt::new(i, k).ok()?))),
         (intrinsics(), 0.0_f32..=1.0, 0.1_f32..4.0)
             .prop_filter_map("field", |(i, alpha, beta)| Some(Camera::Eucm(Eucm::new(i, alpha, beta).ok()?))),
+        (intrinsics(), -0.5_f32..0.8, 0.0_f32..=1.0).prop_filter_map("field", |(i, xi, alpha)| Some(
+            Camera::DoubleSphere(DoubleSphere::new(i, xi, alpha).ok()?)
+        )),
+        (intrinsics(), 0.0_f32..3.0, [-0.3_f32..0.3, -0.1..0.1, -0.01..0.01, -0.01..0.01, -0.05..0.05])
+            .prop_filter_map("field", |(i, xi, d)| Some(Camera::Omni(Omni::new(i, xi, radtan(d)).ok()?))),
         intrinsics().prop_map(|i| Camera::Equidistant(Equidistant::new(i).unwrap())),
     ]
 }
@@ -245,7 +328,9 @@ proptest! {
         }
         let polynomial = KannalaBrandt::new(INTRINSICS, [x, y, z, x]).map(Camera::KannalaBrandt);
         let unified = Eucm::new(Intrinsics { fx: x, ..INTRINSICS }, y, z).map(Camera::Eucm);
-        for lens in [polynomial, unified].into_iter().flatten() {
+        let spheres = DoubleSphere::new(INTRINSICS, x, y).map(Camera::DoubleSphere);
+        let omni = Omni::new(INTRINSICS, x.abs(), radtan([y, z, x, y, z])).map(Camera::Omni);
+        for lens in [polynomial, unified, spheres, omni].into_iter().flatten() {
             prop_assert!(lens.max_angle() >= NARROWEST_ANGLE && lens.max_angle() <= WIDEST_ANGLE);
             let _ = lens.project(&at(1.0, 2.0));
             let _ = lens.unproject(Pixel { x: 600.0, y: 700.0 });

@@ -24,6 +24,8 @@ pub enum ShotError {
     Height,
     /// The number of a camera's lens model is unknown.
     Lens(u32),
+    /// The model of this camera's lens has more parameters than the format holds.
+    LensParameters(usize),
     /// A lens or the rig is invalid.
     Camera(CameraError),
     /// An image is missing, differs in size from its view, or belongs to a camera that the rig lacks.
@@ -46,6 +48,9 @@ impl fmt::Display for ShotError {
                 write!(f, "shot camera height is outside {least} to {most} m")
             }
             Self::Lens(number) => write!(f, "shot lens number {number} is unknown"),
+            Self::LensParameters(camera) => {
+                write!(f, "the lens of camera {camera} has more parameters than packed frames can hold")
+            }
             Self::Camera(error) => error.fmt(f),
             Self::Image => f.write_str("shot images do not match the rig's cameras"),
             Self::Length => f.write_str(

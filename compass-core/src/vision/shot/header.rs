@@ -2,7 +2,7 @@
 
 use super::error::ShotError;
 use crate::base::ladder::HEIGHTS_M;
-use crate::vision::camera::{Bearing, Rig};
+use crate::vision::camera::{Bearing, Camera, Rig, View};
 
 /// Metadata of a shot: all but its images.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,6 +22,10 @@ impl Header {
         let length = self.up.norm_squared();
         if !(length > 0.0 && length.is_finite()) {
             return Err(ShotError::Up);
+        }
+        let has_omni = |(_, view): &(usize, &View)| matches!(view.camera, Camera::Omni(_));
+        if let Some((camera, _)) = self.rig.views().find(has_omni) {
+            return Err(ShotError::LensParameters(camera));
         }
         let [least, most] = HEIGHTS_M;
         let good = self.height_m.is_none_or(|height| (least..=most).contains(&height));

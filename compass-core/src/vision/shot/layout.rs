@@ -3,7 +3,9 @@
 use super::error::{ShotError, VERSION};
 use super::header::Header;
 use crate::base::crc::CRC32;
-use crate::vision::camera::{Bearing, Camera, Equidistant, Eucm, Intrinsics, KannalaBrandt, Rig, View};
+use crate::vision::camera::{
+    Bearing, Camera, DoubleSphere, Equidistant, Eucm, Intrinsics, KannalaBrandt, Rig, View,
+};
 use nalgebra::{Matrix3, Vector3};
 
 pub(super) const MAGIC: [u8; 8] = *b"CMPSSHOT";
@@ -17,6 +19,7 @@ pub(super) const HEADER_BYTES: usize = 4 * WORDS;
 const KANNALA_BRANDT: u32 = 1;
 const EUCM: u32 = 2;
 const EQUIDISTANT: u32 = 3;
+const DOUBLE_SPHERE: u32 = 4;
 
 /// The words of a header.
 pub(super) struct Words([u32; WORDS]);
@@ -103,6 +106,9 @@ fn view_words(view: &View) -> [u32; VIEW_WORDS] {
         Camera::KannalaBrandt(lens) => (KANNALA_BRANDT, lens.coefficients()),
         Camera::Eucm(lens) => (EUCM, [lens.alpha(), lens.beta(), 0.0, 0.0]),
         Camera::Equidistant(_) => (EQUIDISTANT, [0.0; 4]),
+        Camera::DoubleSphere(lens) => (DOUBLE_SPHERE, [lens.xi(), lens.alpha(), 0.0, 0.0]),
+        // Refused by `Header::check`, and by the reader.
+        Camera::Omni(_) => (0, [0.0; 4]),
     };
     let Intrinsics { fx, fy, cx, cy } = view.camera.intrinsics();
     let rotation = view.rotation.transpose();
@@ -127,6 +133,7 @@ fn view(words: &[u32; VIEW_WORDS]) -> Result<Option<View>, ShotError> {
         KANNALA_BRANDT => KannalaBrandt::new(intrinsics, [k1, k2, k3, k4]).map(Camera::KannalaBrandt),
         EUCM => Eucm::new(intrinsics, k1, k2).map(Camera::Eucm),
         EQUIDISTANT => Equidistant::new(intrinsics).map(Camera::Equidistant),
+        DOUBLE_SPHERE => DoubleSphere::new(intrinsics, k1, k2).map(Camera::DoubleSphere),
         other => return Err(ShotError::Lens(other)),
     };
     let [a, b, c, d, e, f, g, h, i, x, y, z] = place;

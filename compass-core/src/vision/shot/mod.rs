@@ -20,9 +20,9 @@
 //! | word of a camera | field |
 //! |---:|---|
 //! | 0 | width in pixels + 65536 times the height; 0 if the rig lacks the camera |
-//! | 1 | lens: 1 [`KannalaBrandt`], 2 [`Eucm`], 3 [`Equidistant`] |
+//! | 1 | lens: 1 [`KannalaBrandt`], 2 [`Eucm`], 3 [`Equidistant`], 4 [`DoubleSphere`] |
 //! | 2 to 5 | fx, fy, cx, cy |
-//! | 6 to 9 | k1 to k4, or alpha and beta |
+//! | 6 to 9 | k1 to k4, alpha and beta, or xi and alpha |
 //! | 10 to 18 | rotation of its bearings into camera 0, row by row |
 //! | 19 to 21 | position in camera 0, metres |
 //!
@@ -43,7 +43,7 @@ use crate::base::raster::{BitMask, GrayImage};
 use layout::{HEADER_BYTES, Words};
 
 #[cfg(doc)]
-use crate::vision::camera::{Equidistant, Eucm, KannalaBrandt};
+use crate::vision::camera::{DoubleSphere, Equidistant, Eucm, KannalaBrandt};
 
 /// Gray levels, and the mask of red pixels.
 pub type Image<'a> = (GrayImage<'a>, BitMask<'a>);

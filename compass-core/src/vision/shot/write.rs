@@ -42,7 +42,7 @@ impl<'a> Writer<'a> {
     /// Checks the metadata, and the images against the rig: one per camera, of the size of its view.
     ///
     /// # Errors
-    /// [`ShotError::Image`], [`ShotError::Up`], [`ShotError::Height`].
+    /// [`ShotError::Image`], [`ShotError::Up`], [`ShotError::Height`], [`ShotError::LensParameters`].
     pub fn new(header: &Header, images: [Option<Image<'a>>; 2]) -> Result<Self, ShotError> {
         header.check()?;
         for (number, image) in images.iter().enumerate() {

@@ -7,7 +7,7 @@ use super::up::MountOption;
 use crate::cli::json::JsonOption;
 use anyhow::{Context as _, Result, bail};
 use compass_core::Settings;
-use compass_host::calibration::Calibration;
+use compass_host::calibration::{Calibration, CameraNames};
 use compass_host::dataset::recording::{Recording, Shot, Source, Topics};
 use compass_host::dataset::trajectory::Trajectory;
 use compass_host::dataset::tum::{self, Pose};
@@ -15,7 +15,8 @@ use compass_host::evaluate::judged::{JudgedFrame, ROWS, count_up_sources, mean_m
 use compass_host::evaluate::report::{self, ReportData};
 use compass_host::evaluate::sequence::Followed;
 use compass_host::evaluate::{
-    Fingerprint, FrameErrors, Job, Journal, Judge, Misses, Record, Row, largest_errors, localize, sequence,
+    EvaluateError, Fingerprint, FrameErrors, Job, Journal, Judge, Misses, Record, Row, largest_errors,
+    localize, sequence,
 };
 use compass_host::locator::Locator;
 use compass_host::output::{Decimal, create_dir, write_file};
@@ -26,23 +27,29 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 mod output;
+mod recording;
+mod started;
 
 use output::{Frame, Output};
+use started::Started;
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Evaluate {
     /// The site file
     #[arg(long, value_name = "FILE")]
     map: PathBuf,
-    /// Camera calibration: a Kalibr camera-imu chain .yaml
+    /// Camera calibration: a camera chain of Kalibr, .yaml, or what Basalt and ROS write
     #[arg(long, value_name = "FILE")]
     calib: PathBuf,
+    /// Cameras of the calibration that are cam0 and cam1 [default: cam0,cam1]
+    #[arg(long, value_name = "CAM0[,CAM1]")]
+    cameras: Option<CameraNames>,
     /// The recording: cam0/data.csv lists the frames in cam0/data, likewise cam1, imu0/data.csv has accelerations; or a
-    /// ROS 2 bag
+    /// ROS 2 bag, a folder or a file
     #[arg(long, value_name = "DIR")]
     dataset: PathBuf,
-    /// Topics of the bag; what is left off or empty is not used [default: as the calibration names them, else the only
-    /// ones, in the order of their names]
+    /// Topics of the bag; what is left off or empty is not used [default: as the calibration names them, else those that
+    /// their names number]
     #[arg(long, value_name = "CAM0,CAM1[,IMU]")]
     topics: Option<Topics>,
     /// True poses of cam0 in the map: timestamp tx ty tz qx qy qz qw
@@ -68,8 +75,18 @@ pub(super) struct Evaluate {
     mount: MountOption,
     #[command(flatten)]
     heights: HeightArgs,
+    /// Largest share of the frames, of the readings or of the true poses that may be left out; above it the exit status is
+    /// 1
+    #[arg(long, value_name = "SHARE", default_value = "0.5", value_parser = share)]
+    max_left_out: f64,
     #[command(flatten)]
     json: JsonOption,
+}
+
+/// Parses a share, 0 to 1.
+fn share(text: &str) -> Result<f64, String> {
+    let share = text.parse::<f64>().ok().filter(|share| (0.0..=1.0).contains(share));
+    share.ok_or_else(|| "expected 0 to 1".to_owned())
 }
 
 impl Evaluate {
@@ -80,29 +97,28 @@ impl Evaluate {
         let mut locator =
             Locator::without_rig(&floors, Settings::FULL).with_context(|| self.map.display().to_string())?;
         let floor = self.true_floor(&floors)?;
-        let calibration = Calibration::load(&self.calib)?;
+        let calibration = Calibration::load_cameras(&self.calib, &self.cameras.clone().unwrap_or_default())?;
         let mut recording =
             Recording::read_with_progress(&self.dataset, self.topics.as_ref(), &calibration, &Bars)?;
         recording.shots = recording.shots.into_iter().step_by(self.every.get()).collect();
-        let shots = &recording.shots;
         let truth = Trajectory::read(&self.groundtruth)?;
-        if shots.iter().all(|shot| truth.at(shot.timestamp_ns).is_none()) {
-            let (truth, frames) = (self.groundtruth.display(), self.dataset.display());
-            bail!("{truth}: no pose at the time of any frame of {frames}; are they of one recording?");
-        }
+        recording.faults.merge(truth.faults().clone());
+        self.check_times(&truth, &recording.shots)?;
         let odometry = self.odometry.as_deref().map(Trajectory::read).transpose()?;
         let evidence = self.out.join("evidence");
+        let imu = recording.imu.take();
         let job = Job {
             floors: &floors,
             calibration: &calibration,
             mount: self.mount.into(),
-            imu: recording.imu.as_ref(),
+            imu: imu.as_ref(),
             heights: self.heights.prior(),
             truth: &truth,
             floor,
             evidence: &evidence,
         };
-        let fingerprints = self.fingerprints(&file, &job, shots)?;
+        let fingerprints = self.fingerprints(&file, &job, &recording.shots)?;
+        let started = Started::new(&self.out);
         create_dir(&evidence)?;
         let is_whole =
             |record: &Record| record.problem.is_some() || job.evidence_file(record.timestamp_ns).is_file();
@@ -110,7 +126,12 @@ impl Evaluate {
         let resumed = journal.len();
         let jobs =
             self.jobs.or_else(|| std::thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
-        let records = localize(&job, shots, &journal, jobs, &Bars)?;
+        let records = localize(&job, &recording.shots, &journal, jobs, &Bars).inspect_err(|error| {
+            if matches!(error, EvaluateError::NoneReadable(_)) {
+                started.undo();
+            }
+        })?;
+        recording::complete(&mut recording, &calibration, &records, imu.is_some());
         let followed = sequence::follow(&job, &records, &mut locator, odometry.as_ref(), &Bars)?;
         let judge = Judge { layers: locator.layers(), floor };
         let frames: Vec<_> = records
@@ -119,7 +140,28 @@ impl Evaluate {
             .map(|(record, estimate)| JudgedFrame::new(record, estimate.as_ref(), &judge, &truth))
             .collect();
         self.write(&job, &recording, &frames, resumed, &followed)?;
+        recording::check_share(&recording, &records, self.max_left_out)?;
         Ok(Outcome::Done)
+    }
+
+    /// Checks that poses and frames are of one time.
+    fn check_times(&self, truth: &Trajectory, shots: &[Shot]) -> Result<()> {
+        if shots.iter().any(|shot| truth.at(shot.timestamp_ns).is_some()) {
+            return Ok(());
+        }
+        let (poses, frames) = (self.groundtruth.display(), self.dataset.display());
+        let seconds = |ns: u64| ns as f64 / 1e9;
+        let spans = match (truth.span(), shots.first(), shots.last()) {
+            (Some([from, to]), Some(first), Some(last)) => format!(
+                " (poses from {} to {} s, frames from {} to {} s)",
+                seconds(from),
+                seconds(to),
+                seconds(first.timestamp_ns),
+                seconds(last.timestamp_ns)
+            ),
+            _ => String::new(),
+        };
+        bail!("{poses}: no pose at the time of any frame of {frames}{spans}; are they of one recording?")
     }
 
     /// Index of the floor of the ground truth.
@@ -200,6 +242,8 @@ impl Evaluate {
             milliseconds: &milliseconds,
             walls,
             largest_errors: &largest_errors::draw(&self.out, &shown, &recording.shots)?,
+            faults: &recording.faults,
+            notes: &recording.notes,
         };
         report::write(&self.out, &data)?;
         let output = Output {
@@ -207,6 +251,8 @@ impl Evaluate {
             resumed,
             scored: scored.len(),
             unseen: frames.iter().filter(|frame| frame.record.problem.is_some()).count(),
+            left_out: (&recording.faults).into(),
+            notes: &recording.notes,
             topics: recording.topics.as_ref().map(Topics::to_string),
             up_from: count_up_sources(frames),
             rows: rows.into_iter().chain([sure]).collect(),

@@ -1,5 +1,6 @@
 //! The result of an evaluation as text and as JSON.
 
+use compass_host::dataset::faults::{Fault, Faults, Item};
 use compass_host::evaluate::judged::JudgedFrame;
 use compass_host::evaluate::{Found, Misses, Row};
 use compass_host::output::Decimal;
@@ -19,6 +20,10 @@ pub(super) struct Output<'a> {
     pub(super) scored: usize,
     /// Number of frames without evidence.
     pub(super) unseen: usize,
+    /// What of the recording and of the ground truth was left out.
+    pub(super) left_out: LeftOut<'a>,
+    /// What else there is to know of the recording.
+    pub(super) notes: &'a [String],
     /// The topics read from a bag.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) topics: Option<String>,
@@ -29,6 +34,36 @@ pub(super) struct Output<'a> {
     pub(super) walls: WallSummary,
     pub(super) report: PathBuf,
     pub(super) results: Vec<Frame<'a>>,
+}
+
+#[derive(Debug, Serialize)]
+pub(super) struct LeftOut<'a> {
+    frames: usize,
+    readings: usize,
+    poses: usize,
+    /// The first of them.
+    first: Vec<LeftOutItem<'a>>,
+    #[serde(skip)]
+    counts: String,
+}
+
+#[derive(Debug, Serialize)]
+struct LeftOutItem<'a> {
+    place: &'a str,
+    problem: &'a str,
+}
+
+impl<'a> From<&'a Faults> for LeftOut<'a> {
+    fn from(faults: &'a Faults) -> Self {
+        let item = |fault: &'a Fault| LeftOutItem { place: &fault.place, problem: &fault.problem };
+        Self {
+            frames: faults.left_out(Item::Frame),
+            readings: faults.left_out(Item::Reading),
+            poses: faults.left_out(Item::Pose),
+            first: faults.first().iter().map(item).collect(),
+            counts: faults.to_string(),
+        }
+    }
 }
 
 #[derive(Debug, Serialize)]
@@ -129,6 +164,12 @@ impl Output<'_> {
             "{} frames, {} with a truth, {} unseen, {} from an earlier run\n",
             self.frames, self.scored, self.unseen, self.resumed
         );
+        for note in self.notes {
+            let _ = writeln!(text, "note: {note}");
+        }
+        if let Some(LeftOutItem { place, problem }) = self.left_out.first.first() {
+            let _ = writeln!(text, "left out: {}; the first: {place}: {problem}", self.left_out.counts);
+        }
         if let Some(topics) = &self.topics {
             let _ = writeln!(text, "topics: {topics}");
         }

@@ -1,11 +1,13 @@
 //! A file of a bag in MCAP storage: records, most of them in chunks, which may be compressed with zstd or lz4.
 
-use super::place::{Place, Take};
-use mcap::McapError;
-use mcap::records::{Record, op};
+use super::place::{Found, Place, Take};
+use super::topic::Topic;
+use mcap::records::{MessageHeader, Record, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
+use mcap::sans_io::summary_reader::{SummaryReadEvent, SummaryReader, SummaryReaderOptions};
+use mcap::{McapError, Summary};
 use std::borrow::Cow;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::ops::ControlFlow::{self, Break, Continue};
@@ -20,11 +22,83 @@ const HEAD: usize = 9;
 /// Bytes before the first record.
 const MAGIC: u64 = 8;
 
-/// Passes the messages of these topics to `take`; the error is about the file, or what `take` returned.
-pub(super) fn visit(path: &Path, topics: &[String], take: &mut Take<'_>) -> Result<(), String> {
+/// The topics of a file by name: from its summary, or of a file without one from all its records.
+pub(super) fn topics(path: &Path) -> Result<Vec<Topic>, String> {
+    let file = File::open(path).map_err(|error| error.to_string())?;
+    if let Ok(Some(summary)) = summary(&file)
+        && !summary.channels.is_empty()
+    {
+        let counts = summary.stats.map(|stats| stats.channel_message_counts).unwrap_or_default();
+        let topic = |channel: &mcap::Channel<'_>| Topic {
+            name: channel.topic.clone(),
+            written_kind: channel.schema.as_ref().map_or(String::new(), |schema| schema.name.clone()),
+            format: channel.message_encoding.clone(),
+            count: counts.get(&channel.id).map_or(0, |count| usize::try_from(*count).unwrap_or_default()),
+        };
+        return Ok(by_name(summary.channels.values().map(|channel| topic(channel))));
+    }
+    let (mut schemas, mut channels) = (HashMap::new(), Vec::new());
+    let file = File::open(path).map_err(|error| error.to_string())?;
+    let options = LinearReaderOptions::default().with_record_length_limit(RECORD_BYTES);
+    let read = records(file, options, |opcode, data| {
+        match parse(opcode, data)? {
+            Record::Schema { header, .. } => {
+                schemas.insert(header.id, header.name);
+            }
+            Record::Channel(channel) => channels.push(channel),
+            _ => {}
+        }
+        Ok(if opcode == op::DATA_END { Break(()) } else { Continue(()) })
+    });
+    // Of a file that is cut off, the topics up to there count.
+    match read {
+        Err(problem) if channels.is_empty() => Err(problem),
+        _ => Ok(by_name(channels.into_iter().map(|channel| Topic {
+            written_kind: schemas.get(&channel.schema_id).cloned().unwrap_or_default(),
+            name: channel.topic,
+            format: channel.message_encoding,
+            count: 0,
+        }))),
+    }
+}
+
+fn by_name(topics: impl Iterator<Item = Topic>) -> Vec<Topic> {
+    let topics: BTreeMap<_, _> = topics.map(|topic| (topic.name.clone(), topic)).collect();
+    topics.into_values().collect()
+}
+
+fn summary(mut file: &File) -> Result<Option<Summary>, McapError> {
+    let mut options = SummaryReaderOptions::default().with_record_length_limit(RECORD_BYTES);
+    if let Ok(data) = file.metadata() {
+        options = options.with_file_size(data.len());
+    }
+    let mut reader = SummaryReader::new_with_options(options);
+    while let Some(event) = reader.next_event() {
+        match event? {
+            SummaryReadEvent::ReadRequest(bytes) => {
+                let read = file.read(reader.insert(bytes))?;
+                reader.notify_read(read);
+            }
+            SummaryReadEvent::SeekRequest(to) => reader.notify_seeked(file.seek(to)?),
+        }
+    }
+    Ok(reader.finish())
+}
+
+/// What of a file could not be read.
+#[derive(Debug, Default)]
+pub(super) struct Damage {
+    /// Chunks in the middle.
+    pub(super) chunks: Vec<String>,
+    /// Why the end is missing.
+    pub(super) end: Option<String>,
+}
+
+/// Passes the messages of these topics to `take`; damaged chunks are passed over.
+pub(super) fn visit(path: &Path, topics: &[String], take: &mut Take<'_>) -> Result<Damage, String> {
     let file = File::open(path).map_err(|error| error.to_string())?;
     let mut channels = Channels { topics, numbers: HashMap::new() };
-    let mut offset = MAGIC;
+    let (mut offset, mut damage) = (MAGIC, Damage::default());
     let whole = LinearReaderOptions::default().with_emit_chunks(true);
     let ended = records(file, whole, |opcode, data| {
         let here = offset;
@@ -34,19 +108,27 @@ pub(super) fn visit(path: &Path, topics: &[String], take: &mut Take<'_>) -> Resu
                 // Decompressed by a reader of a file that has this record alone.
                 let head = [&[opcode][..], &(data.len() as u64).to_le_bytes()].concat();
                 let mut before = 0;
-                records(head.chain(data), part(), |opcode, data| {
+                let read = records(head.chain(data), part(), |opcode, data| {
                     let place = Place::Record { offset: here, before };
                     before += u32::from(opcode == op::MESSAGE);
                     channels.take(opcode, data, place, take).map(Continue)
-                })
-                .map(|_: Option<()>| Continue(()))
+                });
+                if let Err(problem) = read.map(|_: Option<()>| ()) {
+                    damage.chunks.push(format!("the chunk at byte {here} is left out: {problem}"));
+                }
+                Ok(Continue(()))
             }
             // The rest of the file is the summary with its indices.
             op::DATA_END => Ok(Break(())),
             _ => channels.take(opcode, data, Place::Record { offset: here, before: 0 }, take).map(Continue),
         }
-    })?;
-    ended.ok_or_else(|| problem(&McapError::UnexpectedEof))
+    });
+    damage.end = match ended {
+        Ok(Some(())) => None,
+        Ok(None) => Some(problem(&McapError::UnexpectedEof)),
+        Err(problem) => Some(problem),
+    };
+    Ok(damage)
 }
 
 /// Fetches a message of the record or chunk that begins at `offset`: the one with `before` messages before it there.
@@ -82,18 +164,21 @@ impl Channels<'_> {
                 Ok(())
             }
             op::MESSAGE => {
-                let (channel, mut data) = message(data)?;
-                self.numbers.get(&channel).map_or(Ok(()), |&topic| take(topic, place, &mut data))
+                let (header, mut data) = message(data)?;
+                if let Some(&topic) = self.numbers.get(&header.channel_id) {
+                    take(Found { topic, place, recorded_ns: header.log_time, bytes: &mut data });
+                }
+                Ok(())
             }
             _ => Ok(()),
         }
     }
 }
 
-/// The channel and the payload of a message.
-fn message(record: &[u8]) -> Result<(u16, &[u8]), String> {
+/// The header and the payload of a message.
+fn message(record: &[u8]) -> Result<(MessageHeader, &[u8]), String> {
     match parse(op::MESSAGE, record)? {
-        Record::Message { header, data: Cow::Borrowed(data) } => Ok((header.channel_id, data)),
+        Record::Message { header, data: Cow::Borrowed(data) } => Ok((header, data)),
         _ => Err(problem(&McapError::UnexpectedEof)),
     }
 }
@@ -102,12 +187,12 @@ fn parse(opcode: u8, data: &[u8]) -> Result<Record<'_>, String> {
     mcap::parse_record(opcode, data).map_err(|error| problem(&error))
 }
 
-/// The error for a truncated file.
+/// Options for a record alone; a chunk is checked before its messages are passed on.
 fn part() -> LinearReaderOptions {
     LinearReaderOptions::default()
         .with_skip_start_magic(true)
         .with_skip_end_magic(true)
-        .with_validate_chunk_crcs(true)
+        .with_prevalidate_chunk_crcs(true)
         .with_record_length_limit(RECORD_BYTES)
 }
 

@@ -1,7 +1,8 @@
-//! The messages of cameras and IMUs, in CDR: `sensor_msgs/msg/Image`, `CompressedImage` and `Imu`.
+//! The messages of cameras and IMUs, in CDR: those of `sensor_msgs`, and the images of `foxglove_msgs`.
 
-use crate::dataset::imu::Reading;
-use crate::image_file::{self, Pixels, Samples};
+use super::encoding::Encoded;
+use super::kind::Kind;
+use crate::image_file::{self, Pixels};
 use byteorder::{BigEndian, LittleEndian};
 use nalgebra::Vector3;
 use serde::Deserialize;
@@ -18,7 +19,7 @@ struct Time {
 
 #[derive(Deserialize)]
 struct Header {
-    stamp: Time,
+    _stamp: Time,
     _frame_id: String,
 }
 
@@ -28,7 +29,7 @@ struct Image<'a> {
     height: u32,
     width: u32,
     encoding: String,
-    _is_bigendian: u8,
+    is_bigendian: u8,
     step: u32,
     data: &'a [u8],
 }
@@ -36,13 +37,30 @@ struct Image<'a> {
 #[derive(Deserialize)]
 struct CompressedImage<'a> {
     _header: Header,
-    _format: String,
+    format: String,
     data: &'a [u8],
 }
 
 #[derive(Deserialize)]
+struct FoxgloveImage<'a> {
+    _header: Header,
+    width: u32,
+    height: u32,
+    encoding: String,
+    step: u32,
+    data: &'a [u8],
+}
+
+#[derive(Deserialize)]
+struct FoxgloveCompressedImage<'a> {
+    _header: Header,
+    data: &'a [u8],
+    format: String,
+}
+
+#[derive(Deserialize)]
 struct Imu {
-    header: Header,
+    _header: Header,
     _orientation: [f64; 4],
     _orientation_covariance: [f64; 9],
     _angular_velocity: [f64; 3],
@@ -50,7 +68,7 @@ struct Imu {
     linear_acceleration: [f64; 3],
 }
 
-/// The time of a message in nanoseconds; needs only the first bytes.
+/// The time in the header of a message, nanoseconds; needs only the first bytes.
 pub(super) fn stamp(mut message: impl Read) -> Result<u64, String> {
     let mut head = [0; STAMP_END];
     message.read_exact(&mut head).map_err(|error| match error.kind() {
@@ -60,55 +78,61 @@ pub(super) fn stamp(mut message: impl Read) -> Result<u64, String> {
     nanoseconds(&decode(&head)?)
 }
 
-/// An accelerometer reading.
-pub(super) fn imu(mut message: impl Read) -> Result<Reading, String> {
+/// The time in the header and the acceleration of a reading.
+pub(super) fn imu(mut message: impl Read) -> Result<(u64, Vector3<f64>), String> {
     let mut bytes = Vec::new();
     message.read_to_end(&mut bytes).map_err(|error| error.to_string())?;
+    let stamp = stamp(&bytes[..])?;
     let imu: Imu = decode(&bytes)?;
     let acceleration = Vector3::from(imu.linear_acceleration);
-    let timestamp_ns = nanoseconds(&imu.header.stamp)?;
     if !acceleration.iter().all(|value| value.is_finite()) {
-        return Err(format!("the acceleration at {timestamp_ns} ns is not finite"));
+        return Err("the acceleration is not finite".to_owned());
     }
-    Ok(Reading { timestamp_ns, acceleration })
+    Ok((stamp, acceleration))
 }
 
-/// The pixels of an image; alpha is ignored.
-pub(super) fn image(message: &[u8]) -> Result<Pixels, String> {
-    let Image { height, width, encoding, step, data, .. } = decode(message)?;
-    image_file::check_size(width, height).map_err(|error| error.to_string())?;
-    let (bytes, order): (usize, [usize; 3]) = match encoding.as_str() {
-        "mono8" => (1, [0; 3]),
-        "rgb8" => (3, [0, 1, 2]),
-        "bgr8" => (3, [2, 1, 0]),
-        "rgba8" => (4, [0, 1, 2]),
-        "bgra8" => (4, [2, 1, 0]),
-        other => {
-            return Err(format!("encoding '{other}' is not known, only mono8, rgb8, bgr8, rgba8 and bgra8"));
+/// The pixels of an image of any kind; what is compressed is recognised by its content, not by its `format` field.
+pub(super) fn pixels(kind: Kind, message: &[u8]) -> Result<Pixels, String> {
+    match kind {
+        Kind::Image => {
+            let Image { height, width, encoding, is_bigendian, step, data, .. } = decode(message)?;
+            raw((width, height), &encoding, is_bigendian != 0, step, data)
         }
-    };
-    let (row, step) = (width as usize * bytes, step as usize);
-    if step < row {
-        return Err(format!("a step of {step} bytes is too short for {width} pixels in {encoding}"));
+        Kind::FoxgloveImage => {
+            let FoxgloveImage { width, height, encoding, step, data, .. } = decode(message)?;
+            raw((width, height), &encoding, false, step, data)
+        }
+        Kind::CompressedImage => {
+            let CompressedImage { format, data, .. } = decode(message)?;
+            compressed(&format, data)
+        }
+        Kind::FoxgloveCompressedImage => {
+            let FoxgloveCompressedImage { data, format, .. } = decode(message)?;
+            compressed(&format, data)
+        }
+        Kind::Imu | Kind::Video | Kind::Other => Err("is no image".to_owned()),
     }
-    // The last row may lack its padding.
-    if data.len() < step * (height as usize - 1) + row {
-        return Err(format!("{} bytes of data are too few for {height} rows of {step} bytes", data.len()));
-    }
-    let rows = data.chunks(step).take(height as usize).map(|padded| &padded[..row]);
-    let samples = if bytes == 1 {
-        Samples::Gray(rows.flatten().copied().collect())
-    } else {
-        let pixels = rows.flat_map(|row| row.chunks_exact(bytes));
-        Samples::Rgb(pixels.flat_map(|pixel| order.map(|channel| pixel[channel])).collect())
-    };
-    Ok(Pixels { width, height, samples })
 }
 
-/// The pixels of a compressed image; the content decides, not its `format` field.
-pub(super) fn compressed_image(message: &[u8]) -> Result<Pixels, String> {
-    let CompressedImage { data, .. } = decode(message)?;
-    image_file::decode(data).map_err(|error| error.to_string())
+/// Formats of video that some drivers put into messages for images.
+const VIDEO: [&str; 5] = ["h264", "h265", "hevc", "vp9", "av1"];
+
+fn compressed(format: &str, data: &[u8]) -> Result<Pixels, String> {
+    image_file::decode(data).map_err(|error| {
+        let is_video = VIDEO.iter().any(|video| format.to_lowercase().contains(video));
+        if is_video { format!("its format is '{format}': video is not read") } else { error.to_string() }
+    })
+}
+
+fn raw(
+    (width, height): (u32, u32),
+    encoding: &str,
+    is_bigendian: bool,
+    step: u32,
+    data: &[u8],
+) -> Result<Pixels, String> {
+    image_file::check_size(width, height).map_err(|error| error.to_string())?;
+    Encoded { encoding, width, height, step: step as usize, is_bigendian, data }.pixels()
 }
 
 /// A message without its encapsulation header: two bytes for the encoding, two unused.
@@ -132,6 +156,7 @@ fn nanoseconds(Time { sec, nanosec }: &Time) -> Result<u64, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::image_file::Samples;
     use serde::Serialize;
 
     type Head<'a> = ((i32, u32), &'a str);
@@ -140,61 +165,64 @@ mod tests {
         [vec![0, 1, 0, 0], cdr_encoding::to_vec::<T, LittleEndian>(body).unwrap()].concat()
     }
 
-    /// Two rows of two pixels, each row followed by a padding byte.
-    fn picture(encoding: &str, step: u32, data: &[u8]) -> Vec<u8> {
-        let head: Head<'_> = ((5, 7), "cam0");
-        message(&(head, 2_u32, 2_u32, encoding, 1_u8, step, data))
-    }
+    const HEAD: Head<'static> = ((5, 7), "cam0");
 
-    fn samples(encoding: &str, step: u32, data: &[u8]) -> Vec<u8> {
-        match image(&picture(encoding, step, data)).unwrap().samples {
-            Samples::Gray(samples) | Samples::Rgb(samples) => samples,
+    /// Two rows of two gray pixels, each row followed by a padding byte.
+    fn picture(kind: Kind) -> Vec<u8> {
+        let data = &[1_u8, 2, 99, 3, 4, 99][..];
+        match kind {
+            Kind::FoxgloveImage => message(&(HEAD, 2_u32, 2_u32, "mono8", 3_u32, data)),
+            _ => message(&(HEAD, 2_u32, 2_u32, "mono8", 0_u8, 3_u32, data)),
         }
     }
 
     #[test]
-    fn pixels_are_gray_or_red_green_blue() {
-        assert_eq!(samples("mono8", 3, &[1, 2, 99, 3, 4]), [1, 2, 3, 4]);
-        let colours = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12];
-        let swapped = [3, 2, 1, 6, 5, 4, 9, 8, 7, 12, 11, 10];
-        assert_eq!(samples("rgb8", 6, &colours), colours);
-        assert_eq!(samples("bgr8", 6, &colours), swapped);
-        let padded: Vec<u8> =
-            colours.chunks(6).flat_map(|row| [&row[..3], &[0], &row[3..], &[9, 99, 99]].concat()).collect();
-        assert_eq!(samples("rgba8", 10, &padded), colours);
-        assert_eq!(samples("bgra8", 10, &padded), swapped);
-        let good = picture("mono8", 3, &[1, 2, 99, 3, 4, 99]);
-        assert_eq!(stamp(&good[..]).unwrap(), 5_000_000_007);
+    fn images_of_every_kind_are_read() {
+        let samples = |kind: Kind, message: &[u8]| match pixels(kind, message).unwrap().samples {
+            Samples::Gray(samples) | Samples::Rgb(samples) => samples,
+        };
+        for kind in [Kind::Image, Kind::FoxgloveImage] {
+            assert_eq!(stamp(&picture(kind)[..]).unwrap(), 5_000_000_007);
+            assert_eq!(samples(kind, &picture(kind)), [1, 2, 3, 4]);
+        }
+        let pgm = &b"P5 2 1 255\n\x01\x02"[..];
+        assert_eq!(samples(Kind::CompressedImage, &message(&(HEAD, "pgm", pgm))), [1, 2]);
+        assert_eq!(samples(Kind::FoxgloveCompressedImage, &message(&(HEAD, pgm, "pgm"))), [1, 2]);
     }
 
     #[test]
     fn both_orders_of_bytes_are_read() {
         let head: Head<'_> = ((1, 2), "imu");
         let body = (head, [0.0; 4], [0.0; 9], [0.0; 3], [0.0; 9], [1.0, -2.0, 9.75], [0.0; 9]);
-        let expected = Reading { timestamp_ns: 1_000_000_002, acceleration: Vector3::new(1.0, -2.0, 9.75) };
+        let expected = (1_000_000_002, Vector3::new(1.0, -2.0, 9.75));
         assert_eq!(imu(&message(&body)[..]).unwrap(), expected);
         let big = [vec![0; 4], cdr_encoding::to_vec::<_, BigEndian>(&body).unwrap()].concat();
         assert_eq!(imu(&big[..]).unwrap(), expected);
+        let nan = (head, [0.0; 4], [0.0; 9], [0.0; 3], [0.0; 9], [1.0, f64::NAN, 9.75], [0.0; 9]);
+        assert!(imu(&message(&nan)[..]).unwrap_err().contains("not finite"));
     }
 
     #[test]
     fn what_is_wrong_is_named() {
+        let of = |size: [u32; 2], encoding: &str| {
+            message(&(HEAD, size[1], size[0], encoding, 0_u8, 6_u32, &[0_u8; 9][..]))
+        };
         for (message, named) in [
-            (picture("yuv422", 4, &[0; 8]), "encoding 'yuv422'"),
-            (picture("mono16", 4, &[0; 8]), "encoding 'mono16'"),
-            (picture("rgb8", 5, &[0; 12]), "a step of 5 bytes"),
-            (picture("rgb8", 6, &[0; 11]), "11 bytes of data"),
-            (picture("rgb8", u32::MAX, &[0; 12]), "12 bytes of data"),
-            (picture("mono8", 2, &[0; 4])[..40].to_vec(), "too short or damaged"),
+            (of([2, 2], "32FC1"), "encoding '32FC1'"),
+            (of([2, 2], "rgb8"), "9 bytes of data"),
+            (of([0, 2], "rgb8"), "0 x 2 pixels"),
+            (picture(Kind::Image)[..40].to_vec(), "too short or damaged"),
             (vec![0, 1], "too short"),
             (vec![0, 7, 0, 0, 1, 2, 3], "encapsulation [00, 07]"),
         ] {
-            let problem = image(&message).unwrap_err();
+            let problem = pixels(Kind::Image, &message).unwrap_err();
             assert!(problem.contains(named), "{named}: {problem}");
         }
-        let head: Head<'_> = ((5, 7), "cam0");
-        let foreign = compressed_image(&message(&(head, "jpeg", &b"GIF89a"[..]))).unwrap_err();
+        let foreign = pixels(Kind::CompressedImage, &message(&(HEAD, "jpeg", &b"GIF89a"[..]))).unwrap_err();
         assert!(foreign.contains("not a PNG, JPEG"), "{foreign}");
+        let video =
+            pixels(Kind::CompressedImage, &message(&(HEAD, "h264", &[0_u8, 0, 0, 1, 9][..]))).unwrap_err();
+        assert!(video.contains("'h264': video is not read"), "{video}");
         assert!(stamp(&[0, 1, 0, 0, 1][..]).unwrap_err().contains("within its header"));
         let before: Head<'_> = ((-1, 0), "");
         assert!(stamp(&message(&before)[..]).unwrap_err().contains("-1 s"));

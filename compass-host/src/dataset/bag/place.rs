@@ -11,6 +11,16 @@ pub(super) enum Place {
     Record { offset: u64, before: u32 },
 }
 
-/// Receives the messages of a file: the index of the topic, the place and the message, which it may read in part.
-/// Returns an error message for an invalid one.
-pub(super) type Take<'a> = dyn FnMut(usize, Place, &mut dyn Read) -> Result<(), String> + 'a;
+/// A message in a file.
+pub(super) struct Found<'a> {
+    /// Index of the topic.
+    pub(super) topic: usize,
+    pub(super) place: Place,
+    /// When it was recorded, nanoseconds.
+    pub(super) recorded_ns: u64,
+    /// Its bytes, which may be read in part.
+    pub(super) bytes: &'a mut dyn Read,
+}
+
+/// Receives the messages of a file.
+pub(super) type Take<'a> = dyn FnMut(Found<'_>) + 'a;

@@ -1,27 +1,51 @@
-//! A file of a bag in rosbag2's `SQLite` storage: `topics` (`id`, `name`) and `messages` (`id`, `topic_id`, `data`).
+//! A file of a bag in rosbag2's `SQLite` storage: `topics` (`id`, `name`, `type`, `serialization_format`) and `messages`
+//! (`id`, `topic_id`, `timestamp`, `data`).
+//!
+//! Files are opened as immutable: nothing is written beside them, and a folder without write permission will do. A
+//! write-ahead log with contents needs a [copy].
 
-use super::place::{Place, Take};
+use super::place::{Found, Place, Take};
+use super::topic::Topic;
 use rusqlite::blob::Blob;
 use rusqlite::{Connection, OpenFlags, Result};
 use std::collections::HashMap;
+use std::fmt::Write as _;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use tempfile::TempDir;
 
-/// Passes the messages of these topics to `take`; the error is about the file, or what `take` returned.
+/// The topics of a file.
+pub(super) fn topics(path: &Path) -> Result<Vec<Topic>, String> {
+    let read = || {
+        let database = open(path)?;
+        let mut statement =
+            database.prepare("SELECT name, type, serialization_format FROM topics ORDER BY id")?;
+        let rows = statement.query_map([], |row| {
+            Ok(Topic { name: row.get(0)?, written_kind: row.get(1)?, format: row.get(2)?, count: 0 })
+        })?;
+        rows.collect::<Result<Vec<_>>>()
+    };
+    read().map_err(problem)
+}
+
+/// Passes the messages of these topics to `take`; the error is about the rest of the file.
 pub(super) fn visit(path: &Path, topics: &[String], take: &mut Take<'_>) -> Result<(), String> {
     let database = open(path).map_err(problem)?;
     let wanted = numbers(&database, topics).map_err(problem)?;
-    let mut statement = database.prepare("SELECT id, topic_id FROM messages ORDER BY id").map_err(problem)?;
+    let query = "SELECT id, topic_id, timestamp FROM messages ORDER BY id";
+    let mut statement = database.prepare(query).map_err(problem)?;
     let mut rows = statement.query([]).map_err(problem)?;
     let mut reused: Option<Blob<'_>> = None;
     while let Some(row) = rows.next().map_err(problem)? {
-        let (id, topic): (i64, i64) = row.try_into().map_err(problem)?;
+        let (id, topic, recorded): (i64, i64, i64) = row.try_into().map_err(problem)?;
         let Some(&topic) = wanted.get(&topic) else { continue };
         let data = match reused.take() {
             Some(mut blob) => blob.reopen(id).map(|()| blob),
             None => blob(&database, id),
         };
-        take(topic, Place::Row(id), reused.insert(data.map_err(problem)?))?;
+        let bytes = reused.insert(data.map_err(problem)?);
+        let recorded_ns = u64::try_from(recorded).unwrap_or_default();
+        take(Found { topic, place: Place::Row(id), recorded_ns, bytes });
     }
     Ok(())
 }
@@ -35,8 +59,50 @@ pub(super) fn fetch(path: &Path, id: i64) -> Result<Vec<u8>, String> {
     Ok(data)
 }
 
+/// The file with its write-ahead log in a folder of its own, if the log has contents: a reader has to merge it.
+pub(super) fn copy(path: &Path) -> std::io::Result<Option<(TempDir, PathBuf)>> {
+    let log = beside(path, "-wal");
+    if std::fs::metadata(&log).map_or(0, |data| data.len()) == 0 {
+        return Ok(None);
+    }
+    let folder = tempfile::tempdir()?;
+    let database = folder.path().join("bag.db3");
+    std::fs::copy(path, &database)?;
+    std::fs::copy(log, beside(&database, "-wal"))?;
+    // The log is merged once; then the copy is as immutable as any other file.
+    let merged = Connection::open(&database)
+        .and_then(|database| database.execute_batch("PRAGMA journal_mode = DELETE").map(|()| database))
+        .and_then(|database| database.close().map_err(|(_, error)| error));
+    merged.map_err(std::io::Error::other)?;
+    Ok(Some((folder, database)))
+}
+
+fn beside(path: &Path, suffix: &str) -> PathBuf {
+    let mut name = path.as_os_str().to_owned();
+    name.push(suffix);
+    PathBuf::from(name)
+}
+
 fn open(path: &Path) -> Result<Connection> {
-    Connection::open_with_flags(path, OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX)
+    let flags =
+        OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX | OpenFlags::SQLITE_OPEN_URI;
+    let database = Connection::open_with_flags(uri(path), flags)?;
+    // Without this a file that is shorter than its header says is refused; with it, its whole pages are read.
+    database.pragma_update(None, "writable_schema", "ON")?;
+    Ok(database)
+}
+
+/// The address of a file that nobody writes to: bytes with a meaning in addresses are escaped.
+fn uri(path: &Path) -> String {
+    let mut uri = String::from("file:");
+    for byte in path.as_os_str().as_encoded_bytes() {
+        if byte.is_ascii_alphanumeric() || b"/-_.".contains(byte) {
+            uri.push(char::from(*byte));
+        } else {
+            let _ = write!(uri, "%{byte:02x}");
+        }
+    }
+    uri + "?immutable=1"
 }
 
 /// The ids of our topics in the file; a split bag may list a topic twice.

@@ -26,7 +26,7 @@ use compass_core::pose::wall_check;
 use compass_core::pose::{self, FloorLayer, PoolEntry, Rows, ScoredPose};
 use compass_core::vision::attitude::{self, Arc, Axes, Vertical};
 use compass_core::vision::boundary::{BoundaryEvidence, BoundaryFinder, RangeLikelihoods};
-use compass_core::vision::camera::{Camera, Equidistant, Eucm, KannalaBrandt, Rig, View};
+use compass_core::vision::camera::{Camera, DoubleSphere, Equidistant, Eucm, KannalaBrandt, Omni, Rig, View};
 use compass_core::vision::level_frame::LevelFrame;
 use compass_core::vision::panorama::Resolution;
 use compass_core::vision::segments;
@@ -160,6 +160,8 @@ pub(crate) static ALL: &[Entry] = &entries![
     // camera
     KannalaBrandt::new,
     Eucm::new,
+    DoubleSphere::new,
+    Omni::new,
     Equidistant::new,
     Camera::project,
     Camera::unproject,
