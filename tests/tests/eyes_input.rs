@@ -238,8 +238,9 @@ fn calibrations_that_make_no_sense() {
     ] {
         assert!(NOMINAL_YAML.contains(from), "{from}");
         folder.write("bad.yaml", NOMINAL_YAML.replacen(from, to, 1).as_bytes());
-        for line in line("bad.yaml") {
-            refused(&folder, &line, &["bad.yaml: ", named]);
+        // `windows` asks for cam0 alone, and a camera that is not asked for is not refused.
+        for line in line("bad.yaml").iter().filter(|line| !line.starts_with("windows")) {
+            refused(&folder, line, &["bad.yaml: ", named]);
         }
     }
     for bytes in [&b""[..], b"\n", b"cam2: {}\n", b"- 1\n", b"\xff\xfe\x00", b"cam0: [", b"cam0: {}\n"] {
