@@ -3,7 +3,7 @@
 //! Heights are quantized like ranges, in rungs of 6.3 %: an estimate is within half a rung, 3 %, of the optimum.
 
 use crate::base::ladder::{HEIGHTS_M, NOMINAL_HEIGHT_M, RUNG, height_m, height_rungs};
-use crate::base::num::{CellNats, Nats, index_of, round_to_i8};
+use crate::base::num::{CellNats, Nats, round_to_i8};
 use crate::base::order;
 use core::ops::Range;
 use heapless::Vec;
@@ -178,13 +178,8 @@ impl HeightGrid {
             }
             _ => rungs(LEAST_ABOVE_M)..=rungs((prior.ceiling_m[1] - lowest).max(LEAST_ABOVE_M)),
         };
-        let step = if prior.ceiling.is_some() {
-            1
-        } else {
-            step.max(
-                index_of(i32::from(*above.end()) - i32::from(*above.start()) + 1).div_ceil(Self::CEILINGS),
-            )
-        };
+        let count = usize::from(above.end().abs_diff(*above.start())) + 1;
+        let step = if prior.ceiling.is_some() { 1 } else { step.max(count.div_ceil(Self::CEILINGS)) };
         for above in above.step_by(step) {
             let _ = grid.ceilings.push(above);
         }

@@ -14,7 +14,7 @@ use compass_core::vision::windows::{Window, WindowEvidence};
 use compass_host::compare::float_levels;
 use compass_host::figures::{self, Layer, PanoramaPicture, RingPicture};
 use compass_host::frame::Frame;
-use compass_host::locator::Considered;
+use compass_host::locator::{Considered, Seen};
 use compass_host::output::create_dir;
 use compass_host::paper_finder::PaperFinder;
 use compass_host::visual_descriptor::VisualDescriptor;
@@ -44,12 +44,16 @@ pub(super) struct Found<'a> {
     pub(super) level: LevelFrame,
     pub(super) windows: &'a [Window],
     pub(super) window_evidence: &'a WindowEvidence,
-    /// The descriptor with metric ranges, if it was computed.
-    pub(super) descriptor: Option<&'a VisualDescriptor>,
-    /// Evidence of the boundaries of floor and ceiling, [`CELLS`] values, if it was computed.
-    pub(super) boundaries: &'a [CellNats],
+    /// The descriptor with metric ranges, and the evidence of the boundaries of floor and ceiling ([`CELLS`] values), if
+    /// they were computed.
+    pub(super) ranges: Option<(&'a VisualDescriptor, &'a [CellNats])>,
     /// The scan of the plan, if there is one.
     pub(super) plan: Option<&'a Scan>,
+}
+
+/// The evidence of the boundaries of floor and ceiling.
+pub(super) fn boundaries(seen: &mut Seen<'_, '_>) -> Vec<CellNats> {
+    seen.boundaries().map_or_else(Vec::new, |evidence| evidence.cells().to_vec())
 }
 
 /// The probability of each rung of a surface and bin, from log-likelihood ratios.
@@ -88,9 +92,9 @@ impl Found<'_> {
         };
         figures::draw_ring(&dir.join("ring.png"), &picture)?;
         figures::draw_seen(&dir.join("polar.png"), hit, &known, self.plan.map(|plan| &plan.hit))?;
-        if let Some(surroundings) = self.descriptor {
+        if let Some((surroundings, boundaries)) = self.ranges {
             self.draw_panorama(&dir.join("panorama.png"), surroundings, None)?;
-            let probability = probability(self.boundaries);
+            let probability = probability(boundaries);
             self.draw_panorama(&dir.join("boundaries.png"), surroundings, Some(&probability))?;
             self.draw_descriptors(&dir.join("descriptor.png"), surroundings)?;
         }

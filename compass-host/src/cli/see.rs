@@ -1,7 +1,7 @@
 //! `compass see`: observes hit type and range in every direction, as the descriptor used by localization.
 
 use super::cameras::{CameraArgs, Cameras};
-use super::debug::Found;
+use super::debug::{Found, boundaries};
 use super::exit::Outcome;
 use super::plan::PoseOnPlan;
 use crate::cli::json::JsonOption;
@@ -164,24 +164,12 @@ impl See {
         let (rig, resolution) = (*locator.rig(), locator.resolution());
         let windows: Vec<_> = chosen.iter().map(|w| WindowOutput::new(w, &rig, &level, resolution)).collect();
         if let Some(dir) = &self.debug_dir {
-            let (plan, descriptor) = (plan.as_ref(), Some(&descriptor));
+            let (plan, ranges) = (plan.as_ref(), Some((&descriptor, &boundaries[..])));
             let segments = segments(&mut locator, frames)?;
             let considered = locator.watch().considered().context("the panorama was drawn")?;
             let (rig, windows, window_evidence) = (&rig, &chosen, &evidence);
-            let boundaries = &boundaries;
-            Found {
-                frames,
-                rig,
-                segments,
-                considered,
-                level,
-                windows,
-                window_evidence,
-                descriptor,
-                boundaries,
-                plan,
-            }
-            .draw(dir)?;
+            Found { frames, rig, segments, considered, level, windows, window_evidence, ranges, plan }
+                .draw(dir)?;
         }
         let [segments, level_ms, windows_ms, ranges] =
             ["segments", "up", "windows", "ranges"].map(|stage| median(&times, stage));
@@ -226,7 +214,7 @@ fn observe(locator: &mut Locator<'_>, cameras: &Cameras) -> Result<(Observation,
     let start = Instant::now();
     let descriptor = VisualDescriptor::of(&mut seen, cameras.heights);
     let described = start.elapsed().as_secs_f64() * 1e3;
-    let boundaries = seen.boundaries().map_or_else(Vec::new, |evidence| evidence.cells().to_vec());
+    let boundaries = boundaries(&mut seen);
     Ok((Observation { level, evidence, windows, descriptor, boundaries }, described))
 }
 

@@ -105,20 +105,9 @@ impl Windows {
             let considered = locator.watch().considered().context("the panorama was drawn")?;
             let segments = segments(locator, frames)?;
             let (rig, windows, window_evidence) = (&rig, &found, &window_evidence);
-            let (descriptor, boundaries, plan) = (None, &[][..], None);
-            Found {
-                frames,
-                rig,
-                segments,
-                considered,
-                level,
-                windows,
-                window_evidence,
-                descriptor,
-                boundaries,
-                plan,
-            }
-            .draw(dir)?;
+            let (ranges, plan) = (None, None);
+            Found { frames, rig, segments, considered, level, windows, window_evidence, ranges, plan }
+                .draw(dir)?;
         }
         let windows = found.iter().map(|w| WindowOutput::new(w, &rig, &level, resolution)).collect();
         Ok(Output { windows, truncated: window_evidence.truncated })

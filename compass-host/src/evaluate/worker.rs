@@ -165,8 +165,7 @@ impl<'a> Worker<'a> {
     fn search(&mut self, looks: Vec<Look>, record: &mut Record, clock: &mut Clock) -> Result<()> {
         let known = self.job.heights;
         let tried = looks.into_iter().map(|look| {
-            let Look { evidence, .. } = &look;
-            let fix = self.search.recall(&evidence.boundaries(), &evidence.windows()).locate(known);
+            let fix = self.search.recall(&look.evidence.boundaries(), &look.evidence.windows()).locate(known);
             Tried { with: look, fix }
         });
         let Some((Look { evidence, up, .. }, fix)) = best(tried.collect()) else { return Ok(()) };

@@ -5,14 +5,8 @@
 //! "equidistant" distortion: the linear coefficient is 1, and k1 multiplies the cube.
 
 use super::{
-    Bearing, CameraError, Intrinsics, NARROWEST_ANGLE, Pixel, Polar, WIDEST_ANGLE, WIDEST_RADIUS, finite,
+    Bearing, CameraError, Intrinsics, NARROWEST_ANGLE, Pixel, Polar, WIDEST_RADIUS, field_while, finite,
 };
-
-/// Steps of the scan for the end of the field.
-const FIELD_STEPS: u16 = 1024;
-
-/// Bisections that narrow one of those steps down to neighbouring `f32`.
-const FIELD_HALVINGS: u8 = 24;
 
 /// Largest number of steps of the inverse; 3 to 5 are usual, more near the rim.
 const INVERSE_STEPS: u8 = 40;
@@ -95,20 +89,7 @@ impl KannalaBrandt {
     /// The angle up to which the radius grows and stays below [`WIDEST_RADIUS`].
     fn field(&self) -> f32 {
         let good = |theta: f32| self.slope(theta) > 0.0 && self.radius(theta) <= WIDEST_RADIUS;
-        let at = |step: u16| WIDEST_ANGLE * (f32::from(step) / f32::from(FIELD_STEPS));
-        let Some(first_bad) = (1..=FIELD_STEPS).find(|&step| !good(at(step))) else {
-            return WIDEST_ANGLE;
-        };
-        let (mut low, mut high) = (at(first_bad - 1), at(first_bad));
-        for _ in 0..FIELD_HALVINGS {
-            let middle = 0.5 * (low + high);
-            if good(middle) {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
-        low
+        field_while(good)
     }
 
     /// The angle at a radius within the field: Newton's method while each step is less than half the previous one,

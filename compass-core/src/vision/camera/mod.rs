@@ -68,6 +68,12 @@ pub const NARROWEST_ANGLE: f32 = 0.1;
 /// Relative amount by which rounding may move a point beyond the rim of the field; it is then clamped to the rim.
 const RIM: f32 = 2e-6;
 
+/// Steps of the scan for the end of the field.
+const FIELD_STEPS: u16 = 1024;
+
+/// Bisections that narrow one of those steps down to neighbouring `f32`.
+const FIELD_HALVINGS: u8 = 24;
+
 /// A position in an image; the centre of the top left pixel is (0, 0).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -369,6 +375,24 @@ impl fmt::Display for CameraError {
 }
 
 impl core::error::Error for CameraError {}
+
+/// The largest angle from the axis up to which all angles of a scan are good, at most [`WIDEST_ANGLE`].
+fn field_while(good: impl Fn(f32) -> bool) -> f32 {
+    let at = |step: u16| WIDEST_ANGLE * (f32::from(step) / f32::from(FIELD_STEPS));
+    let Some(first_bad) = (1..=FIELD_STEPS).find(|&step| !good(at(step))) else {
+        return WIDEST_ANGLE;
+    };
+    let (mut low, mut high) = (at(first_bad - 1), at(first_bad));
+    for _ in 0..FIELD_HALVINGS {
+        let middle = 0.5 * (low + high);
+        if good(middle) {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    low
+}
 
 fn finite(values: &[f32]) -> Result<(), CameraError> {
     if values.iter().all(|value| value.is_finite()) { Ok(()) } else { Err(CameraError::NotFinite) }

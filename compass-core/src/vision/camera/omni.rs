@@ -6,15 +6,9 @@
 //! `radtan`.
 
 use super::{
-    Bearing, CameraError, Intrinsics, NARROWEST_ANGLE, Pixel, Plane, RIM, WIDEST_ANGLE, WIDEST_RADIUS,
-    finite, scaled_to_1,
+    Bearing, CameraError, Intrinsics, NARROWEST_ANGLE, Pixel, Plane, RIM, WIDEST_RADIUS, field_while, finite,
+    scaled_to_1,
 };
-
-/// Steps of the scan for the end of the field.
-const FIELD_STEPS: u16 = 1024;
-
-/// Bisections that narrow one of those steps down to neighbouring `f32`.
-const FIELD_HALVINGS: u8 = 24;
 
 /// Largest number of steps of the inverse; 3 to 6 are usual, more near the rim.
 const INVERSE_STEPS: u8 = 48;
@@ -205,20 +199,7 @@ impl Omni {
                 && self.distortion.is_regular(radius)
                 && radius * (self.distortion.radial(radius * radius) + radius * tangential) <= WIDEST_RADIUS
         };
-        let at = |step: u16| WIDEST_ANGLE * (f32::from(step) / f32::from(FIELD_STEPS));
-        let Some(first_bad) = (1..=FIELD_STEPS).find(|&step| !good(at(step))) else {
-            return WIDEST_ANGLE;
-        };
-        let (mut low, mut high) = (at(first_bad - 1), at(first_bad));
-        for _ in 0..FIELD_HALVINGS {
-            let middle = 0.5 * (low + high);
-            if good(middle) {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
-        low
+        field_while(good)
     }
 
     /// The position before distortion within the field; `None` outside its image.

@@ -1,6 +1,6 @@
 //! The second half of the demo: from two rendered frames to a pose.
 
-use crate::cli::debug::Found;
+use crate::cli::debug::{Found, boundaries};
 use crate::cli::localize::pose_of;
 use crate::cli::pictures;
 use crate::cli::pose::Pose;
@@ -72,24 +72,11 @@ pub(super) fn run(dir: &Path, raster: &PlanRaster, plan: &PackedPlan) -> Result<
     let milliseconds = started.elapsed().as_secs_f64() * 1e3;
     let (window_evidence, windows) = (&seen.window_evidence().clone(), &seen.windows().to_vec());
     let descriptor = VisualDescriptor::of(&mut seen, HeightPrior::both(fix.heights()));
-    let boundaries = seen.boundaries().map_or_else(Vec::new, |evidence| evidence.cells().to_vec());
+    let boundaries = boundaries(&mut seen);
     let truth = plan.scan([x, y], heading)?;
-    let (plan, descriptor, rig) = (Some(&truth), Some(&descriptor), &rig);
+    let (plan, ranges, rig) = (Some(&truth), Some((&descriptor, &boundaries[..])), &rig);
     let considered = locator.watch().considered().context("the panorama was drawn")?;
-    let boundaries = &boundaries;
-    Found {
-        frames,
-        rig,
-        segments,
-        considered,
-        level,
-        windows,
-        window_evidence,
-        descriptor,
-        boundaries,
-        plan,
-    }
-    .draw(dir)?;
+    Found { frames, rig, segments, considered, level, windows, window_evidence, ranges, plan }.draw(dir)?;
     let poses: Vec<_> = fix.poses().iter().map(|scored| pose_of(scored, None)).collect();
     pictures::site_map(&dir.join("map.png"), raster, &floors[0].map, None, FRAME_POSE, &poses)?;
     let probability = f64::from(fix.probability());

@@ -97,6 +97,13 @@ pub(super) struct Options {
     pub(super) least_probability: f64,
 }
 
+impl Options {
+    /// Whether a pose is said.
+    fn is_sure(&self, fix: &Fix<'_>) -> bool {
+        f64::from(fix.probability()) >= self.least_probability
+    }
+}
+
 /// Observes, searches and reports.
 pub(super) fn run(map: &Path, input: &Input<'_>, options: &Options, json: &JsonOption) -> Result<Outcome> {
     let mut clock = Clock::start();
@@ -117,7 +124,7 @@ pub(super) fn run(map: &Path, input: &Input<'_>, options: &Options, json: &JsonO
     let Located { up, fix, walls, layers, fault } = located;
     let poses: Vec<_> = fix.poses().iter().map(|scored| pose(scored, &layers)).collect();
     let probability = f64::from(fix.probability());
-    let best = poses.first().copied().zip(fix.best()).filter(|_| probability >= options.least_probability);
+    let best = poses.first().copied().zip(fix.best()).filter(|_| options.is_sure(&fix));
     let Some((best, scored)) = best else {
         let reason = with_fault(doubt::of_fix(&fix, options.least_probability), fault);
         return unsure(probability, reason, poses, json);
@@ -186,7 +193,7 @@ fn of_images<'a>(
         }
         Err(error) => return Err(error).with_context(name),
     };
-    if f64::from(located.fix.probability()) < options.least_probability {
+    if !options.is_sure(&located.fix) {
         located.fault = doubt::of_frames(frames);
     }
     clock.extend(locator.watch().milliseconds());
@@ -223,8 +230,7 @@ impl<'a> Located<'a> {
     /// With the verdicts on walls, if the pose is sure.
     fn new(placed: Placed<'_, 'a>, floors: &[SiteFloor<'_>], options: &Options) -> Self {
         let Placed { up, mut seen, fix } = placed;
-        let is_sure = f64::from(fix.probability()) >= options.least_probability;
-        let walls = if is_sure { walls(&fix, &mut seen, floors) } else { Walls::default() };
+        let walls = if options.is_sure(&fix) { walls(&fix, &mut seen, floors) } else { Walls::default() };
         Self { up, fix, walls, layers: Vec::new(), fault: None }
     }
 }
