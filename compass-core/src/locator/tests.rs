@@ -235,6 +235,26 @@ fn frames_and_masks_must_have_the_size_of_the_rig() {
 }
 
 #[test]
+fn boundaries_are_seen_in_excluded_pixels_too() {
+    let sample = Sample::read();
+    let mut locator = sample.locator(Settings::BOARD);
+    let mut cells = |frames: &Frames<'_>| {
+        let levelled = locator.segment(frames).unwrap().level_near(PRIOR.up).unwrap();
+        let mut seen = levelled.see();
+        let known = seen.window_evidence().confidence.sixteenths().iter().filter(|c| **c > 0).count();
+        (seen.boundaries().unwrap().cells().to_vec(), known)
+    };
+    let (all, windows) = cells(&sample.frames());
+    let bits = vec![0xff; 368_usize.div_ceil(8) * 360];
+    let mut frames = sample.frames();
+    for frame in frames.iter_mut().flatten() {
+        frame.excluded = ExclusionMask::Mask(BitMask::new(&bits, 368, 360).unwrap());
+    }
+    let (masked, unseen) = cells(&frames);
+    assert!(all == masked && windows > 180 && unseen == 0, "{windows} {unseen}");
+}
+
+#[test]
 fn evidence_of_any_bits_has_a_pose() {
     let sample = Sample::read();
     let windows = crate::vision::windows::WindowEvidence::NOTHING;

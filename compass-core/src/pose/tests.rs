@@ -297,3 +297,11 @@ fn exchanged_weights_count_the_floor_half_and_the_ceiling_whole() {
         assert!((exchanged / score - factor).abs() < 0.1 * factor, "{exchanged} of {score}");
     }
 }
+
+#[test]
+fn a_lead_counts_up_to_the_score_alone() {
+    let probability = |score: i32, margin: i32| probability_of(Nats::from_num(score), Nats::from_num(margin));
+    assert_eq!(probability(40, 120), probability(40, 40), "not in this plan is an explanation, too");
+    assert!(probability(400, 40) < 0.5 && probability(400, 120) > 0.5);
+    assert_eq!((probability(0, 0), probability(-9, 50)), (0.0, 0.0));
+}
