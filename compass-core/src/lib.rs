@@ -95,7 +95,7 @@
 //! | channel value | a value of a descriptor in fixed point |
 //! | descriptor | five channels of 360 bins made of a scan (paper) |
 //! | evidence | log-likelihood ratios against "nothing known", by direction, range and hit type |
-//! | exclusion mask | pixels that say nothing of the building, as safety gear in front of a window |
+//! | exclusion mask | pixels that say nothing of the building, as the robot's own parts in front of a window |
 //! | fix | a pose with its probability, heights and alternatives |
 //! | floor, floor layer | a storey; its plan as drawn (layer 0) or its structure alone (layer 1) |
 //! | heading | direction of camera 0's optical axis, projected on the floor: counter-clockwise from +x |

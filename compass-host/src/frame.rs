@@ -2,7 +2,7 @@
 
 use crate::image_file::{self, ImageFileError, Pixels, Samples};
 use crate::wide::wide;
-use compass_core::base::raster::{BitMask, GrayImage, is_red};
+use compass_core::base::raster::{BitMask, GrayImage};
 use compass_core::vision::camera::Pixel;
 use compass_core::vision::segments::{self, Detected, Parameters, Segment, SegmentsError, Workspace};
 use std::path::Path;
@@ -89,18 +89,6 @@ impl Frame {
             rows.flat_map(|row| &row[left..left + width]).copied().collect::<Vec<u8>>()
         };
         Self { width, height, gray: cut(&self.gray, 1), rgb: self.rgb.as_ref().map(|rgb| cut(rgb, 3)) }
-    }
-
-    /// The red pixels, in the layout of [`BitMask`].
-    #[must_use]
-    pub fn red_mask(&self) -> Vec<u8> {
-        let row_bytes = BitMask::row_bytes(self.width);
-        let mut mask = vec![0; row_bytes * self.height as usize];
-        for (at, pixel) in self.rgb.iter().flat_map(|rgb| rgb.as_chunks::<3>().0).enumerate() {
-            let (x, y) = (at % self.width as usize, at / self.width as usize);
-            mask[y * row_bytes + x / 8] |= u8::from(is_red(*pixel)) << (x % 8);
-        }
-        mask
     }
 }
 

@@ -3,14 +3,12 @@
 use crate::frame::Frame;
 use crate::site_file::SiteFloor;
 use crate::wide::wide;
-use compass_core::base::raster::RgbImage;
 use compass_core::locator::{self, Frames, LAYERS_OF_A_SITE, Picture, Stage, Trace};
 use compass_core::pose::FloorLayer;
 use compass_core::vision::attitude::LEAST_INLIERS;
 use compass_core::vision::boundary::BoundaryEvidence;
 use compass_core::vision::camera::{Bearing, Rig};
 use compass_core::vision::panorama::Resolution;
-use compass_core::vision::sample::ExclusionMask;
 use compass_core::vision::windows::{Edge, WindowBox, WindowEvidence, visit_edges};
 use compass_core::{LocateError, Settings};
 use std::collections::BTreeMap;
@@ -188,11 +186,9 @@ impl<'a> Locator<'a> {
     }
 }
 
-/// The frame as the core takes it: in colour frames red safety gear is masked out.
+/// The frame as the core takes it.
 fn lent(frame: &Frame) -> locator::Frame<'_> {
-    let colours = frame.rgb().and_then(|rgb| RgbImage::new(rgb, frame.width(), frame.height()).ok());
-    let excluded = colours.map_or(ExclusionMask::Unknown, ExclusionMask::Colours);
-    locator::Frame { gray: frame.gray(), excluded }
+    locator::Frame::from(frame.gray())
 }
 
 wide! {

@@ -53,7 +53,7 @@ pub struct VisualDescriptor {
     pub height: Height,
     /// Likeliest range in metres and its confidence; `None` where neither floor nor ceiling was observed.
     pub ranges: [Option<RangeEstimate>; BINS],
-    /// Hit type; `None` out of view of both cameras, or behind safety gear.
+    /// Hit type; `None` out of view of both cameras.
     pub hit: [Option<Hit>; BINS],
     /// The input of the paper's descriptor: unknown ranges are those of the nearest direction.
     pub scan: Scan,

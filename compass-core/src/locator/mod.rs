@@ -51,7 +51,7 @@ pub const LAYERS_OF_A_SITE: usize = 2 * MAX_FLOORS;
 pub struct Frame<'a> {
     /// Gray levels, of the size that the rig says.
     pub gray: GrayImage<'a>,
-    /// Pixels that say nothing of the building: safety gear in the way.
+    /// Pixels that say nothing of the building: the robot's own parts.
     pub excluded: ExclusionMask<'a>,
 }
 

@@ -8,7 +8,7 @@ use crate::pose::locate::Effort;
 use crate::vision::camera::Rig;
 use crate::vision::panorama::Resolution;
 
-/// Where smoothed frames come from: windows in large frames and the boundaries of floor and ceiling are sought in them.
+/// Where smoothed frames come from: windows in large frames are sought in them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Smoothing {
@@ -45,7 +45,7 @@ pub struct Settings {
     pub boxes: usize,
     /// Room for windows all around, 1 to 65536.
     pub windows: usize,
-    /// Whether frames are smoothed for windows and boundaries: 12 million instructions for two frames of 368 x 360 on a
+    /// Whether frames are smoothed where windows are sought: 12 million instructions for two frames of 368 x 360 on a
     /// Cortex-M7, and two to three more pairs of a hundred found.
     pub smoothing: Smoothing,
     /// Whether segments are sought within 95 degrees of the optical axis alone: a bit of memory a pixel.

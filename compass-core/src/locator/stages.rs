@@ -467,7 +467,7 @@ fn find_boundaries_in<M: AsMut<[u32]>, T, const LAYERS: usize>(
     let Some(mut finder) = BoundaryFinder::new(buffers, rig, frame) else { return };
     for (camera, _) in rig.views() {
         let Some(frame) = frames.get(camera).and_then(Option::as_ref) else { continue };
-        // In red pixels too: the skirting boards and floors of homes pass for safety gear.
+        // In excluded pixels too: a mask over floor or skirting board would hide the edge that is sought.
         finder.add(camera, &frame.gray, ExclusionMask::Unknown);
     }
     let _ = finder.finish();

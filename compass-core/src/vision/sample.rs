@@ -1,32 +1,29 @@
 //! Bilinear sampling of an image, with excluded pixels.
 
 use crate::base::num::{count_as_i32, index_of};
-use crate::base::raster::{BitMask, GrayImage, RgbImage, is_red};
+use crate::base::raster::{BitMask, GrayImage};
 
 /// Fractional bits of a pixel position.
 pub(crate) const SUBPIXEL: u32 = 8;
 
-/// Pixels to leave out because they show red safety gear.
+/// Pixels to leave out where windows are sought, as the robot's own parts.
 ///
 /// Samples at excluded pixels are unknown: the panorama treats them as if no camera saw them. A locator seeks the boundaries of
 /// floor and ceiling in all pixels.
 #[derive(Debug, Clone, Copy)]
 pub enum ExclusionMask<'a> {
-    /// No colours known: no pixel is left out.
+    /// None are known: no pixel is left out.
     Unknown,
-    /// Pixels whose colour [`is_red`].
-    Colours(RgbImage<'a>),
     /// Pixels whose bit is set.
     Mask(BitMask<'a>),
 }
 
 impl ExclusionMask<'_> {
-    /// Width and height, pixels; `None` if no colours are known.
+    /// Width and height, pixels; `None` without a mask.
     #[must_use]
     pub const fn size(&self) -> Option<[u32; 2]> {
         match self {
             Self::Unknown => None,
-            Self::Colours(image) => Some([image.width(), image.height()]),
             Self::Mask(mask) => Some([mask.width(), mask.height()]),
         }
     }
@@ -38,7 +35,6 @@ impl ExclusionMask<'_> {
         let (x, y) = ((x >> SUBPIXEL).cast_unsigned(), (y >> SUBPIXEL).cast_unsigned());
         match self {
             Self::Unknown => false,
-            Self::Colours(image) => is_red(image.pixel(x, y)),
             Self::Mask(mask) => mask.get(x, y),
         }
     }

@@ -40,12 +40,6 @@ struct Output {
     up_in_cam0: [Decimal; 3],
 }
 
-/// A frame of the size that is packed.
-struct Small {
-    frame: Frame,
-    red: Vec<u8>,
-}
-
 impl Pack {
     pub(super) fn run(&self) -> Result<Outcome> {
         let taken = self.cameras.read()?;
@@ -81,20 +75,18 @@ impl Pack {
         Ok(Outcome::Done)
     }
 
-    fn bytes(&self, header: &Header, small: &[Option<Small>; 2]) -> Result<Vec<u8>> {
+    fn bytes(&self, header: &Header, small: &[Option<Frame>; 2]) -> Result<Vec<u8>> {
         let (width, height) = self.size;
-        let mut images = [None; 2];
-        for (image, small) in images.iter_mut().zip(small) {
-            let Some(Small { frame, red }) = small else { continue };
-            *image = Some((frame.gray(), BitMask::new(red, width, height)?));
-        }
+        let none_excluded = vec![0; BitMask::row_bytes(width) * height as usize];
+        let none_excluded = BitMask::new(&none_excluded, width, height)?;
+        let images = small.each_ref().map(|frame| frame.as_ref().map(|f| (f.gray(), none_excluded)));
         let writer = Writer::new(header, images).with_context(|| self.out.display().to_string())?;
         let Ok(Bytes(bytes)) = writer.write(Bytes(Vec::with_capacity(writer.shot_bytes())));
         Ok(bytes)
     }
 
     /// Box-filter means over the pixels that become one.
-    fn shrink(&self, taken: &Taken, frame: &Frame) -> Result<Small> {
+    fn shrink(&self, taken: &Taken, frame: &Frame) -> Result<Frame> {
         let (width, height) = self.size;
         if width > frame.width() || height > frame.height() {
             let (w, h) = (frame.width(), frame.height());
@@ -106,7 +98,6 @@ impl Pack {
         );
         let image = RgbImage::from_raw(frame.width(), frame.height(), rgb);
         let image = thumbnail(&image.context("frames have the pixels of their size")?, width, height);
-        let frame = Frame::from_rgb(image).with_context(|| format!("{}: no pixels", taken.name))?;
-        Ok(Small { red: frame.red_mask(), frame })
+        Frame::from_rgb(image).with_context(|| format!("{}: no pixels", taken.name))
     }
 }

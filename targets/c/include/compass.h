@@ -133,7 +133,7 @@ typedef int32_t CompassPreset;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
-// Whether frames are smoothed for windows and boundaries.
+// Whether frames are smoothed where windows are sought.
 enum CompassSmoothing
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
   : int32_t
@@ -342,7 +342,7 @@ typedef struct {
   const uint8_t *gray;
   // Bytes of them: width times height.
   size_t gray_bytes;
-  // Exclusion mask, one bit a pixel, set where the image says nothing of the building (safety gear in front of a
+  // Exclusion mask, one bit a pixel, set where the image says nothing of the building (the robot's own parts in front of a
   // window): rows of (width + 7) / 8 bytes, the first pixel in the lowest bit. Null if nothing is to be left out.
   const uint8_t *excluded;
   // Bytes of it: rows times height; 0 without a mask.

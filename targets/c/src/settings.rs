@@ -17,7 +17,7 @@ pub enum CompassPreset {
     Full = 2,
 }
 
-/// Whether frames are smoothed for windows and boundaries.
+/// Whether frames are smoothed where windows are sought.
 #[repr(i32)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CompassSmoothing {

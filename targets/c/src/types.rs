@@ -218,7 +218,7 @@ pub struct CompassFrame {
     pub gray: *const u8,
     /// Bytes of them: width times height.
     pub gray_bytes: usize,
-    /// Exclusion mask, one bit a pixel, set where the image says nothing of the building (safety gear in front of a
+    /// Exclusion mask, one bit a pixel, set where the image says nothing of the building (the robot's own parts in front of a
     /// window): rows of (width + 7) / 8 bytes, the first pixel in the lowest bit. Null if nothing is to be left out.
     pub excluded: *const u8,
     /// Bytes of it: rows times height; 0 without a mask.

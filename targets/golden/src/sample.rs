@@ -22,7 +22,7 @@ pub const WORDS: usize = Settings::BOARD.memory_words(WIDTH, HEIGHT);
 pub const FRAMES_FROM: (Point, Turn) =
     (Point::new(Metres::lit("4.12"), Metres::lit("17.77")), Turn::from_ratio(2886, 3600));
 
-/// The frames of both cameras: gray levels, and the exclusion mask of red gear.
+/// The frames of both cameras: gray levels, and a mask that excludes red pixels.
 pub(crate) static FRAMES: [(&[u8], &[u8]); 2] = [
     (
         include_bytes!("../../../tests/vectors/frame_368x360_cam0.gray"),

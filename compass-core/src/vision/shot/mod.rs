@@ -45,7 +45,7 @@ use layout::{HEADER_BYTES, Words};
 #[cfg(doc)]
 use crate::vision::camera::{DoubleSphere, Equidistant, Eucm, KannalaBrandt};
 
-/// Gray levels, and the mask of red pixels.
+/// Gray levels, and the exclusion mask.
 pub type Image<'a> = (GrayImage<'a>, BitMask<'a>);
 
 /// A shot, borrowed from memory, a mapped file or flash.

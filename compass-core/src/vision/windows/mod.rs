@@ -69,7 +69,7 @@ pub struct WindowEvidence {
     pub truncated: bool,
     /// Hit type of bin j, at heading + j degrees counter-clockwise. Bins not seen are walls of confidence 0.
     pub hit: [Hit; BINS],
-    /// Confidence of the hit type: 0 where neither camera sees, or safety gear hides the building.
+    /// Confidence of the hit type: 0 where neither camera sees, or an excluded pixel hides the building.
     pub confidence: Confidence,
     /// Log odds of a window per bin, -4 to 4 nats; 0 where not seen.
     #[cfg_attr(feature = "defmt", defmt(Debug2Format))]
