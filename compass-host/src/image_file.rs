@@ -38,9 +38,15 @@ pub enum ImageFileError {
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum DecodeError {
-    /// The bytes are not a PNG, JPEG, PGM, BMP or TIFF image.
-    #[error("not a PNG, JPEG, PGM, BMP or TIFF image")]
+    /// The bytes are not a PNG, JPEG, WebP, PGM, BMP or TIFF image.
+    #[error("not a PNG, JPEG, WebP, PGM, BMP or TIFF image")]
     NotAnImage,
+    /// The image is of a kind that the decoder does not know, as a TIFF image with a palette.
+    #[error("this kind of image is not read (save it as an RGB PNG): {reason}")]
+    Unsupported {
+        /// The decoder's message, in one line.
+        reason: String,
+    },
     /// The bytes start as an image but cannot be decoded, as in a truncated file.
     #[error("damaged or truncated image: {reason}")]
     Damaged {
@@ -113,7 +119,8 @@ pub fn read(path: &Path) -> Result<Pixels, ImageFileError> {
 /// # Errors
 /// [`DecodeError`] for bytes that are not an image, damaged, truncated or too large.
 pub fn decode(bytes: &[u8]) -> Result<Pixels, DecodeError> {
-    let format = image::guess_format(bytes).map_err(|_| DecodeError::NotAnImage)?;
+    let big_tiff = BIG_TIFF.iter().any(|magic| bytes.starts_with(magic)).then_some(ImageFormat::Tiff);
+    let format = big_tiff.or_else(|| image::guess_format(bytes).ok()).ok_or(DecodeError::NotAnImage)?;
     if !format.reading_enabled() {
         return Err(DecodeError::NotAnImage);
     }
@@ -124,7 +131,13 @@ pub fn decode(bytes: &[u8]) -> Result<Pixels, DecodeError> {
 }
 
 fn decode_as(format: ImageFormat, bytes: &[u8]) -> Result<Pixels, DecodeError> {
-    let damaged = |error: ImageError| DecodeError::Damaged { reason: one_line(&error.to_string()) };
+    let damaged = |error: ImageError| {
+        let reason = one_line(&error.to_string());
+        match error {
+            ImageError::Unsupported(_) => DecodeError::Unsupported { reason },
+            _ => DecodeError::Damaged { reason },
+        }
+    };
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     let mut limits = Limits::no_limits();
     limits.max_alloc = Some(MAX_DECODED_BYTES);
@@ -170,6 +183,9 @@ pub(crate) fn check_size(width: u32, height: u32) -> Result<(), DecodeError> {
 pub(crate) fn one_line(message: &str) -> String {
     message.split_whitespace().collect::<Vec<_>>().join(" ")
 }
+
+/// How TIFF files with 64-bit offsets start, in either byte order.
+const BIG_TIFF: [&[u8]; 2] = [b"II\x2b\0", b"MM\0\x2b"];
 
 /// The end marker of a JPEG image.
 const JPEG_END: [u8; 2] = [0xff, 0xd9];

@@ -1,5 +1,6 @@
 //! The options that every command with a plan shares.
 
+use super::notes::note;
 use anyhow::{Context as _, Result, bail};
 use compass_core::base::scan::Scan;
 use compass_host::plan_import::structure::keep_structure;
@@ -25,6 +26,15 @@ pub(super) struct Reading {
     /// Excess of red over the larger of green and blue from which a pixel is glazing, 0..255
     #[arg(long, value_name = "N", default_value_t = plan_import::DEFAULT_RED_EXCESS)]
     red_excess: u8,
+    /// Colour of glazing, in place of red
+    #[arg(long, value_name = "RRGGBB", value_parser = colour)]
+    glazing_color: Option<[u8; 3]>,
+    /// Colour of doors, which count as open
+    #[arg(long, value_name = "RRGGBB", value_parser = colour)]
+    door_color: Option<[u8; 3]>,
+    /// The drawing is light on dark (of a ROS map: the opposite of its negate)
+    #[arg(long)]
+    invert: bool,
     /// Keep only walls at least M metres thick and the glazing of the facade [default without a value: 0.25]
     #[arg(long, value_name = "M", num_args = 0..=1, default_missing_value = "0.25", value_parser = finite)]
     structure: Option<f64>,
@@ -39,7 +49,11 @@ impl Reading {
         options.origin = self.origin;
         options.dark_below = self.dark_below;
         options.red_excess = self.red_excess;
-        let mut raster = plan_import::load(&options)?;
+        options.glazing = self.glazing_color;
+        options.door = self.door_color;
+        options.invert = self.invert;
+        let (mut raster, notes) = plan_import::load_with_notes(&options)?;
+        notes.iter().for_each(|text| note(&text.to_string()));
         if let Some(thickness_m) = self.structure {
             raster = keep_structure(&raster, thickness_m).with_context(|| plan.display().to_string())?;
         }
@@ -113,6 +127,15 @@ pub(super) fn size(text: &str) -> Result<(u32, u32), String> {
     let sides = text.split_once('x').and_then(|(w, h)| w.parse().ok().zip(h.parse().ok()));
     let good = sides.filter(|(w, h)| (1..=20_000).contains(w) && (1..=20_000).contains(h));
     good.ok_or_else(|| format!("'{text}' is not WxH with sides of 1 to 20000 pixels"))
+}
+
+/// Parses a colour, `RRGGBB` in hexadecimal.
+fn colour(text: &str) -> Result<[u8; 3], String> {
+    let digits = text.strip_prefix('#').unwrap_or(text);
+    let bits = (digits.len() == 6).then(|| u32::from_str_radix(digits, 16).ok()).flatten();
+    let bits = bits.ok_or_else(|| format!("'{text}' is not a colour RRGGBB in hexadecimal digits"))?;
+    let [_, colour @ ..] = bits.to_be_bytes();
+    Ok(colour)
 }
 
 /// Parses a finite number.

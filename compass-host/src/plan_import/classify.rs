@@ -1,7 +1,8 @@
 //! Pixels to walls and glazing.
 //!
 //! **First pass**, each pixel alone. Redness is `R - max(G, B)`, luma is that of BT.601.
-//! - glazing: redness at least `red_excess`; *faint* when below twice that
+//! - glazing: redness at least `red_excess`, *faint* when below twice that; or the named colour, *faint* when paler than 3/4 of it
+//! - a door, where its colour is named: free
 //! - wall: luma below `dark_below`; *plain* when below 3/4 of that with redness below a quarter of
 //!   `red_excess` (black or dark gray ink), else *doubtful*
 //! - free: the rest
@@ -21,6 +22,7 @@
 //! pixels never change: clean drawings keep every pixel. Cost: one pass, and 3 x 3 or 5 x 5 pixels for each doubtful
 //! or faint one; gray images need neither map nor second pass.
 
+use super::ink::{DOUBTFUL_WALL, FAINT_DARK, FAINT_LIGHT, FREE, Ink, WALL, WINDOW};
 use crate::image_file::{Pixels, Samples};
 
 /// Luma difference between the two images of a pair from which glazing is certain.
@@ -28,59 +30,6 @@ const FAINT_STEP: u8 = 64;
 
 /// Glazing neighbours of a pixel on the straight rim of glazing: three within, two along the rim.
 const STRAIGHT_RIM: u32 = 5;
-
-const FREE: u8 = 0;
-const WALL: u8 = 1;
-const DOUBTFUL_WALL: u8 = 2;
-const WINDOW: u8 = 3;
-const FAINT_DARK: u8 = 4;
-const FAINT_LIGHT: u8 = 5;
-
-/// Thresholds of dark and of red.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Ink {
-    /// Whether the image is negated: darkness is then the luma itself instead of its complement.
-    pub inverted: bool,
-    /// The lowest luma that is not dark, 0..=256, after inversion.
-    pub dark_below: u16,
-    /// The least redness of glazing.
-    pub red_excess: u8,
-}
-
-impl Ink {
-    /// Dark ink on light paper.
-    pub(super) fn new(dark_below: u16, red_excess: u8) -> Self {
-        Self { inverted: false, dark_below, red_excess }
-    }
-
-    fn luma(&self, luma: u8) -> u8 {
-        if self.inverted { 255 - luma } else { luma }
-    }
-
-    fn is_dark(&self, luma: u8) -> bool {
-        u16::from(luma) < self.dark_below
-    }
-
-    /// First pass for a colour pixel.
-    fn judge(&self, rgb: [u8; 3]) -> u8 {
-        let redness = redness(rgb);
-        let luma = self.luma(luma_of(rgb));
-        let dark = self.is_dark(luma);
-        if redness > 0 && redness >= self.red_excess {
-            return match (u16::from(redness) >= 2 * u16::from(self.red_excess), dark) {
-                (true, _) => WINDOW,
-                (false, true) => FAINT_DARK,
-                (false, false) => FAINT_LIGHT,
-            };
-        }
-        let plain = 4 * u16::from(luma) < 3 * self.dark_below && redness <= self.red_excess / 4;
-        match (dark, plain) {
-            (false, _) => FREE,
-            (true, true) => WALL,
-            (true, false) => DOUBTFUL_WALL,
-        }
-    }
-}
 
 /// Walls and glazing in the layout of `BitMask`, south row first.
 #[derive(Debug)]
@@ -102,7 +51,7 @@ pub(super) fn one_image(plan: &Pixels, ink: &Ink) -> Masks {
     let width = plan.width as usize;
     match &plan.samples {
         Samples::Gray(gray) => {
-            let walls = pack(gray, width, |v| ink.is_dark(ink.luma(v)));
+            let walls = pack(gray, width, |v| ink.is_dark(ink.level(v)));
             Masks { windows: vec![0; walls.len()], walls }
         }
         Samples::Rgb(rgb) => {
@@ -113,7 +62,7 @@ pub(super) fn one_image(plan: &Pixels, ink: &Ink) -> Masks {
 
 /// Walls from `walls`, and as glazing what `plan` has beyond them. Both have the same size.
 pub(super) fn pair(plan: &Pixels, walls: &Pixels, ink: &Ink) -> Masks {
-    let (plan_luma, walls_luma) = (lumas(plan, ink), lumas(walls, ink));
+    let (plan_luma, walls_luma) = (levels(plan, ink), levels(walls, ink));
     let mut classes: Vec<u8> = plan_luma
         .iter()
         .zip(&walls_luma)
@@ -136,20 +85,10 @@ pub(super) fn pair(plan: &Pixels, walls: &Pixels, ink: &Ink) -> Masks {
     resolve_doubtful(&classes, plan.width as usize)
 }
 
-fn redness([r, g, b]: [u8; 3]) -> u8 {
-    r.saturating_sub(g.max(b))
-}
-
-/// BT.601 luma in 16-bit fixed point, rounded to nearest; the weights sum to 65536.
-fn luma_of([r, g, b]: [u8; 3]) -> u8 {
-    let sum = 19_595 * u32::from(r) + 38_470 * u32::from(g) + 7_471 * u32::from(b) + 32_768;
-    sum.to_le_bytes()[2]
-}
-
-fn lumas(pixels: &Pixels, ink: &Ink) -> Vec<u8> {
+fn levels(pixels: &Pixels, ink: &Ink) -> Vec<u8> {
     match &pixels.samples {
-        Samples::Gray(gray) => gray.iter().map(|&v| ink.luma(v)).collect(),
-        Samples::Rgb(rgb) => rgb.as_chunks::<3>().0.iter().map(|&p| ink.luma(luma_of(p))).collect(),
+        Samples::Gray(gray) => gray.iter().map(|&v| ink.level(v)).collect(),
+        Samples::Rgb(rgb) => rgb.as_chunks::<3>().0.iter().map(|&p| ink.level_of(p)).collect(),
     }
 }
 
@@ -248,8 +187,6 @@ mod tests {
 
     use super::*;
 
-    const INK: Ink = Ink { inverted: false, dark_below: 128, red_excess: 60 };
-
     /// Resolves a drawing: `#` wall, `d` doubtful, `W` glazing, `f` faint dark, `l` faint light.
     fn resolved(drawing: &[&str]) -> Vec<String> {
         let width = drawing[0].len();
@@ -267,28 +204,6 @@ mod tests {
             (true, true) => 'X',
         };
         (0..height).rev().map(|y| (0..columns).map(|x| pixel(x, y)).collect()).collect()
-    }
-
-    #[test]
-    fn judges_single_colours() {
-        assert_eq!(INK.judge([255, 255, 255]), FREE);
-        assert_eq!(INK.judge([0, 0, 0]), WALL);
-        assert_eq!(INK.judge([255, 0, 0]), WINDOW);
-        assert_eq!(INK.judge([255, 180, 180]), FAINT_LIGHT, "pink rim");
-        assert_eq!(INK.judge([90, 0, 0]), FAINT_DARK, "chroma bled into black");
-        assert_eq!(INK.judge([120, 120, 120]), DOUBTFUL_WALL);
-        assert_eq!(INK.judge([128, 128, 128]), FREE);
-        assert_eq!(INK.judge([0, 0, 255]), WALL, "blue ink is dark");
-        let negated = Ink { inverted: true, ..INK };
-        assert_eq!((negated.judge([255; 3]), negated.judge([0; 3])), (WALL, FREE));
-        let any = Ink { red_excess: 0, ..INK };
-        assert_eq!((any.judge([0; 3]), any.judge([255; 3])), (WALL, FREE), "gray is never red");
-    }
-
-    #[test]
-    fn luma_spans_the_range() {
-        assert_eq!((luma_of([0; 3]), luma_of([255; 3]), luma_of([255, 0, 0])), (0, 255, 76));
-        assert!((0..=255).all(|v| luma_of([v; 3]) == v));
     }
 
     #[test]

@@ -6,17 +6,22 @@
 
 mod classify;
 mod error;
+mod ink;
+mod note;
 mod ros_map;
 pub mod structure;
+mod turned;
 
 pub use error::PlanImportError;
+pub use note::PlanNote;
 
 use std::path::{Path, PathBuf};
 
 use compass_core::base::raster::BitMask;
 
 use crate::image_file::{self, Pixels};
-use classify::{Ink, Masks};
+use classify::Masks;
+use ink::{Ink, Tone};
 
 /// Metres per pixel when neither the options nor a map description say otherwise.
 pub const DEFAULT_RESOLUTION_M: f64 = 0.01;
@@ -46,6 +51,12 @@ pub struct PlanOptions {
     pub dark_below: u8,
     /// A pixel is red when `R - max(G, B)` is at least this.
     pub red_excess: u8,
+    /// The colour of glazing, RGB; `None`: red.
+    pub glazing: Option<[u8; 3]>,
+    /// The colour of doors, RGB: they count as open. `None`: doors have no colour of their own.
+    pub door: Option<[u8; 3]>,
+    /// Whether the drawing is light on dark. With a map description: the opposite of what that says.
+    pub invert: bool,
 }
 
 impl PlanOptions {
@@ -59,6 +70,9 @@ impl PlanOptions {
             origin: None,
             dark_below: DEFAULT_DARK_BELOW,
             red_excess: DEFAULT_RED_EXCESS,
+            glazing: None,
+            door: None,
+            invert: false,
         }
     }
 }
@@ -179,30 +193,51 @@ fn put(mask: &mut [u8], other: &mut [u8], at: Option<(usize, u8)>) {
 /// pair of two sizes; a map description with missing or rejected fields; a resolution outside [`RESOLUTION_RANGE_M`]
 /// or an origin that is not finite.
 pub fn load(options: &PlanOptions) -> Result<PlanRaster, PlanImportError> {
-    let source = Source::of(options)?;
-    check_resolution(&options.plan, source.resolution_m)?;
-    check_origin(&options.plan, source.origin)?;
-    let plan = image_file::read(&source.image)?;
+    load_with_notes(options).map(|(plan, _)| plan)
+}
+
+/// [`load`], with what a user should know of the plan although it was read.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_with_notes(options: &PlanOptions) -> Result<(PlanRaster, Vec<PlanNote>), PlanImportError> {
+    let Source { image, resolution_m, origin, yaw, ink, note } = Source::of(options)?;
+    let mut notes = Vec::from_iter(note);
+    check_resolution(&options.plan, resolution_m)?;
+    check_origin(&options.plan, origin)?;
+    let plan = image_file::read(&image)?;
     let masks = match &options.walls {
-        None => classify::one_image(&plan, &source.ink),
+        None => classify::one_image(&plan, &ink),
         Some(path) => {
             let walls = image_file::read(path)?;
-            check_pair(&source.image, &plan, path, &walls)?;
+            check_pair(&image, &plan, path, &walls)?;
             check_colours(path, &walls)?;
-            classify::pair(&plan, &walls, &source.ink)
+            classify::pair(&plan, &walls, &ink)
         }
     };
     if masks.walls.iter().all(|&byte| byte == 0) {
-        check_colours(&source.image, &plan)?;
-        let path = options.walls.clone().unwrap_or(source.image);
-        return Err(PlanImportError::NoWalls { path, dark_below: source.ink.dark_below });
+        check_colours(&image, &plan)?;
+        let path = options.walls.clone().unwrap_or(image);
+        return Err(PlanImportError::NoWalls { path, dark_below: ink.dark_below });
     }
     if masks.walls_fill(plan.width, plan.height) {
-        check_colours(&source.image, &plan)?;
+        check_colours(&image, &plan)?;
+    }
+    if !is_yaml(&options.plan) && options.walls.is_none() {
+        notes.extend(note::mostly_dark(&image, &plan, &masks.walls));
+        notes.extend(note::coloured(&image, &plan, &ink));
     }
     let Masks { walls, windows } = masks;
-    let Source { resolution_m, origin, .. } = source;
-    Ok(PlanRaster { width: plan.width, height: plan.height, walls, windows, resolution_m, origin })
+    let raster = PlanRaster { width: plan.width, height: plan.height, walls, windows, resolution_m, origin };
+    match turned::turned(raster, yaw) {
+        Some(raster) => Ok((raster, notes)),
+        None => Err(PlanImportError::Value {
+            path: options.plan.clone(),
+            field: "yaw of origin",
+            value: yaw.to_string(),
+            wanted: "the turned map would have more than 65535 pixels on a side",
+        }),
+    }
 }
 
 /// The plan image and how to read it, after merging options, map description and defaults.
@@ -210,28 +245,65 @@ struct Source {
     image: PathBuf,
     resolution_m: f64,
     origin: [f64; 2],
+    yaw: f64,
     ink: Ink,
+    note: Option<PlanNote>,
 }
 
 impl Source {
     fn of(options: &PlanOptions) -> Result<Self, PlanImportError> {
-        let plain = Ink::new(u16::from(options.dark_below), options.red_excess);
+        let plain = Ink {
+            tone: if options.invert { Tone::Negative } else { Tone::Positive },
+            mean: false,
+            dark_below: u16::from(options.dark_below),
+            red_excess: options.red_excess,
+            glazing: options.glazing,
+            door: options.door,
+        };
         if !is_yaml(&options.plan) {
             return Ok(Self {
                 image: options.plan.clone(),
                 resolution_m: options.resolution_m.unwrap_or(DEFAULT_RESOLUTION_M),
                 origin: options.origin.unwrap_or_default(),
+                yaw: 0.0,
                 ink: plain,
+                note: description_beside(options),
             });
         }
         let map = ros_map::read(&options.plan)?;
+        let tone = match (map.tone, options.invert) {
+            (Tone::Positive, true) => Tone::Negative,
+            (Tone::Negative, true) => Tone::Positive,
+            (tone, _) => tone,
+        };
+        let note = map.named.as_ref().map(|named| PlanNote::ImageBeside {
+            description: options.plan.clone(),
+            named: named.clone(),
+            taken: map.image.clone(),
+        });
         Ok(Self {
             resolution_m: options.resolution_m.unwrap_or(map.resolution_m),
             origin: options.origin.unwrap_or(map.origin),
-            ink: Ink { inverted: map.negate, dark_below: map.dark_below(), ..plain },
+            yaw: map.yaw,
+            ink: Ink { tone, mean: true, dark_below: map.dark_below(), ..plain },
+            note,
             image: map.image,
         })
     }
+}
+
+/// A note on the map description that names the image, where it lies beside it and nothing else tells the resolution.
+fn description_beside(options: &PlanOptions) -> Option<PlanNote> {
+    let taken_m = options.resolution_m.is_none().then_some(DEFAULT_RESOLUTION_M)?;
+    let candidates = ["yaml", "yml"].map(|end| options.plan.with_extension(end));
+    let found = candidates.into_iter().find_map(|path| ros_map::read(&path).ok().map(|map| (path, map)));
+    let (description, map) = found?;
+    (map.image.file_name() == options.plan.file_name()).then(|| PlanNote::DescriptionBeside {
+        image: options.plan.clone(),
+        description,
+        resolution_m: map.resolution_m,
+        taken_m,
+    })
 }
 
 fn is_yaml(path: &Path) -> bool {

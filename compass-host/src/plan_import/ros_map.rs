@@ -1,19 +1,17 @@
 //! The description file of a ROS `map_server` map.
 //!
-//! The fields `image`, `resolution`, `origin` (x, y, yaw), `negate` and `occupied_thresh` are required, as by
-//! `map_server` itself; `free_thresh`, `mode` and others are ignored: what is not occupied is free here. Occupancy of
-//! a pixel of value `v` is `(255 - v) / 255`, in a negated map `v / 255`; the pixel is occupied when that is above
-//! `occupied_thresh`.
+//! The fields `image`, `resolution`, `origin` (x, y, yaw) and `occupied_thresh` are required, as by `map_server` itself;
+//! `negate` is false and `mode` is trinary unless they say otherwise; `free_thresh` and others are ignored: what is not
+//! occupied is free here. Occupancy of a pixel whose channels have the mean `v` is `(255 - v) / 255`, in a negated map
+//! `v / 255`, in mode raw `v / 100` up to 1; the pixel is occupied when that is above `occupied_thresh`.
 
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
 use super::error::PlanImportError;
+use super::ink::Tone;
 use crate::image_file::one_line;
-
-/// Largest yaw treated as zero, in radians: across 100 m it shifts a map by less than 1 mm.
-const YAW_SLACK: f64 = 1e-5;
 
 /// The contents of a map description.
 #[derive(Debug)]
@@ -24,8 +22,12 @@ pub(super) struct RosMap {
     pub resolution_m: f64,
     /// Position of the bottom-left pixel's outer corner, metres.
     pub origin: [f64; 2],
-    /// Whether white is occupied.
-    pub negate: bool,
+    /// Turn about that corner, radians counter-clockwise.
+    pub yaw: f64,
+    /// How its gray levels are read.
+    pub tone: Tone,
+    /// The image as it is named, where one beside the description stands for it.
+    pub named: Option<PathBuf>,
     /// Occupancy above which a pixel is occupied.
     pub occupied_thresh: f64,
 }
@@ -43,16 +45,35 @@ struct Fields {
     image: PathBuf,
     resolution: f64,
     origin: Vec<f64>,
-    negate: Flag,
+    negate: Option<Flag>,
     occupied_thresh: f64,
+    mode: Option<String>,
 }
 
-/// `map_server` writes 0 or 1; its ROS 2 successor also accepts true or false.
+/// `map_server` writes 0 or 1; its ROS 2 successor also accepts true or false, and both in quotes.
 #[derive(Deserialize)]
 #[serde(untagged)]
 enum Flag {
     Bool(bool),
-    Number(u8),
+    Number(f64),
+    Text(String),
+    Other(serde::de::IgnoredAny),
+}
+
+impl Flag {
+    fn is_set(&self) -> Result<bool, String> {
+        let shown = match self {
+            Self::Bool(value) => return Ok(*value),
+            Self::Number(value) => value.to_string(),
+            Self::Text(text) => text.to_lowercase(),
+            Self::Other(_) => "a list or a mapping".to_owned(),
+        };
+        match shown.as_str() {
+            "0" | "false" => Ok(false),
+            "1" | "true" => Ok(true),
+            _ => Err(shown),
+        }
+    }
 }
 
 /// Reads the description at `path` without opening the image.
@@ -63,36 +84,49 @@ pub(super) fn read(path: &Path) -> Result<RosMap, PlanImportError> {
     let text = String::from_utf8(bytes).map_err(|_| yaml("not UTF-8 text".to_owned()))?;
     let fields: Fields = serde_saphyr::from_str(&text)
         .map_err(|error| yaml(one_line(&error.without_snippet().to_string())))?;
-    let negate = match fields.negate {
-        Flag::Bool(value) => value,
-        Flag::Number(0) => false,
-        Flag::Number(1) => true,
-        Flag::Number(other) => return Err(refused(path, "negate", other.to_string(), "0 or 1 is needed")),
-    };
+    let negate = fields.negate.as_ref().map_or(Ok(false), Flag::is_set);
+    let negate = negate.map_err(|other| refused(path, "negate", other, "0 or 1 is needed"))?;
     if !(0.0..1.0).contains(&fields.occupied_thresh) {
         let value = fields.occupied_thresh.to_string();
         return Err(refused(path, "occupied_thresh", value, "at least 0 and less than 1 is needed"));
     }
-    let folder = path.parent().unwrap_or(Path::new(""));
+    let tone = match fields.mode.as_deref() {
+        None | Some("trinary" | "scale") if negate => Tone::Negative,
+        None | Some("trinary" | "scale") => Tone::Positive,
+        Some("raw") => Tone::Raw { from: (100.0 * fields.occupied_thresh).floor() as u8 + 1 },
+        Some(other) => {
+            return Err(refused(path, "mode", other.to_owned(), "trinary, scale or raw is needed"));
+        }
+    };
+    let [x, y, yaw] = *fields.origin else {
+        let value = format!("{:?}", fields.origin);
+        return Err(refused(path, "origin", value, "three numbers [x, y, yaw] are needed"));
+    };
+    if !yaw.is_finite() {
+        return Err(refused(path, "yaw of origin", yaw.to_string(), "a finite angle in radians is needed"));
+    }
+    let (image, named) = image_of(path, fields.image);
     Ok(RosMap {
-        image: folder.join(fields.image),
+        image,
+        named,
         resolution_m: fields.resolution,
-        origin: position(path, &fields.origin)?,
-        negate,
+        origin: [x, y],
+        yaw,
+        tone,
         occupied_thresh: fields.occupied_thresh,
     })
 }
 
-/// x and y of `origin`; a rotated map is rejected, since the masks are axis-aligned.
-fn position(path: &Path, origin: &[f64]) -> Result<[f64; 2], PlanImportError> {
-    let [x, y, yaw] = *origin else {
-        return Err(refused(path, "origin", format!("{origin:?}"), "three numbers [x, y, yaw] are needed"));
-    };
-    // Negated comparison, so that NaN is rejected as well.
-    if yaw.abs() <= YAW_SLACK {
-        return Ok([x, y]);
+/// The image, against the folder of the description. A map that was moved may name the image of another machine: then one of
+/// that name beside the description stands for it, and the name comes with it.
+fn image_of(description: &Path, named: PathBuf) -> (PathBuf, Option<PathBuf>) {
+    let folder = description.parent().unwrap_or(Path::new(""));
+    let image = folder.join(&named);
+    let beside = named.file_name().map(|name| folder.join(name));
+    match beside {
+        Some(beside) if !image.exists() && beside.exists() => (beside, Some(named)),
+        _ => (image, None),
     }
-    Err(refused(path, "yaw of origin", yaw.to_string(), "only maps that are not turned (yaw 0) can be read"))
 }
 
 fn refused(path: &Path, field: &'static str, value: String, wanted: &'static str) -> PlanImportError {
@@ -123,10 +157,22 @@ mod tests {
     fn reads_a_map_server_description() {
         let map = parse(GOOD).unwrap();
         assert!(map.image.ends_with("a.pgm") && map.image.is_absolute(), "beside the yaml: {:?}", map.image);
-        assert_eq!((map.resolution_m, map.origin, map.negate), (0.05, [-1.5, 2.0], false));
+        assert_eq!((map.resolution_m, map.origin, map.yaw), (0.05, [-1.5, 2.0], 0.0));
         assert_eq!(map.dark_below(), 90, "(255 - 89) / 255 > 0.65 >= (255 - 90) / 255");
-        assert!(parse(&GOOD.replace("negate: 0", "negate: true")).unwrap().negate);
-        assert!(parse(&GOOD.replace("negate: 0", "negate: 1")).unwrap().negate);
+        assert_eq!(map.tone, Tone::Positive);
+        for (negate, tone) in [
+            ("true", Tone::Negative),
+            ("1", Tone::Negative),
+            ("\"1\"", Tone::Negative),
+            ("\"0\"", Tone::Positive),
+            ("'False'", Tone::Positive),
+        ] {
+            let text = GOOD.replace("negate: 0", &format!("negate: {negate}"));
+            assert_eq!(parse(&text).unwrap().tone, tone, "{negate}");
+        }
+        assert_eq!(parse(&GOOD.replace("negate: 0\n", "")).unwrap().tone, Tone::Positive);
+        assert_eq!(parse(&GOOD.replace("trinary", "raw")).unwrap().tone, Tone::Raw { from: 66 });
+        assert_eq!(parse(&GOOD.replace("mode: trinary\n", "")).unwrap().tone, Tone::Positive);
         assert_eq!(parse(&GOOD.replace("0.65", "0")).unwrap().dark_below(), 255, "p = 0 is never above 0");
     }
 
@@ -136,7 +182,8 @@ mod tests {
         let message = complaint(&GOOD.replace("0.05", "fine"));
         assert!(message.contains("line 2"), "{message}");
         assert!(complaint(&GOOD.replace("2, 0]", "2]")).contains("origin is [-1.5, 2.0]"));
-        assert!(complaint(&GOOD.replace("2, 0]", "2, 0.3]")).contains("yaw of origin is 0.3"));
+        assert!(complaint(&GOOD.replace("trinary", "fancy")).contains("mode is fancy"));
+        assert!(complaint(&GOOD.replace("negate: 0", "negate: [0]")).contains("negate is a list"));
         assert!(complaint(&GOOD.replace("2, 0]", "2, .nan]")).contains("yaw of origin is NaN"));
         assert!(complaint(&GOOD.replace("0.65", "1.5")).contains("occupied_thresh is 1.5"));
         assert!(complaint(&GOOD.replace("negate: 0", "negate: 7")).contains("negate is 7"));
