@@ -237,3 +237,21 @@ fn colours_mean_what_is_told() {
     let wrong = folder.run(&format!("describe plan.png {AT} --glazing-color blue"));
     assert!(wrong.status == Some(2) && wrong.stderr.contains("'blue' is not a colour"), "{}", wrong.stderr);
 }
+
+#[test]
+fn two_points_and_their_distance_tell_the_scale() {
+    let (folder, upright) = (Folder::new(), upright());
+    folder.write("plan.png", &png(drawing(0, 255)));
+    let told = "--origin=-3,-2 --scale-points";
+    assert_eq!(ranges(&folder, "plan.png", &format!("{told} 4,100,196,100,9.6")), upright);
+    assert_eq!(ranges(&folder, "plan.png", &format!("{told} 10,10,40,50,2.5")), upright);
+    for (points, named) in [
+        ("4,100,4,100,9.6", "a pixel or more apart"),
+        ("4,100,196,100,0", "the metres above 0"),
+        ("4,100,196,100", "X1,Y1,X2,Y2,METRES"),
+        ("4,100,196,100,9.6 --resolution 0.05", "cannot be used with"),
+    ] {
+        let refused = folder.run(&format!("describe plan.png {AT} {told} {points}"));
+        assert!(refused.status == Some(2) && refused.stderr.contains(named), "{points}: {}", refused.stderr);
+    }
+}

@@ -17,6 +17,15 @@ pub(super) struct Reading {
     /// Metres per pixel [default: 0.01, or what the ROS .yaml says]
     #[arg(long, value_name = "M", allow_hyphen_values = true)]
     resolution: Option<f64>,
+    /// Metres per pixel from two pixels of the image and the metres between them
+    #[arg(
+        long,
+        value_name = "X1,Y1,X2,Y2,METRES",
+        value_parser = metres_per_pixel,
+        allow_hyphen_values = true,
+        conflicts_with = "resolution"
+    )]
+    scale_points: Option<f64>,
     /// Map position of the outer corner of the bottom-left pixel in metres [default: 0,0]
     #[arg(long, value_name = "X,Y", value_parser = pair, allow_hyphen_values = true)]
     origin: Option<[f64; 2]>,
@@ -45,7 +54,7 @@ impl Reading {
     pub(super) fn load(&self, plan: &Path) -> Result<(PlanRaster, PackedPlan)> {
         let mut options = PlanOptions::new(plan);
         options.walls.clone_from(&self.walls);
-        options.resolution_m = self.resolution;
+        options.resolution_m = self.resolution.or(self.scale_points);
         options.origin = self.origin;
         options.dark_below = self.dark_below;
         options.red_excess = self.red_excess;
@@ -127,6 +136,18 @@ pub(super) fn size(text: &str) -> Result<(u32, u32), String> {
     let sides = text.split_once('x').and_then(|(w, h)| w.parse().ok().zip(h.parse().ok()));
     let good = sides.filter(|(w, h)| (1..=20_000).contains(w) && (1..=20_000).contains(h));
     good.ok_or_else(|| format!("'{text}' is not WxH with sides of 1 to 20000 pixels"))
+}
+
+/// Metres per pixel from two points in pixels and the metres between them, `X1,Y1,X2,Y2,METRES`.
+fn metres_per_pixel(text: &str) -> Result<f64, String> {
+    let wanted = || format!("'{text}' is not two pixels and the metres between them, X1,Y1,X2,Y2,METRES");
+    let values: Result<Vec<f64>, _> = text.split(',').map(|value| finite(value.trim())).collect();
+    let &[x1, y1, x2, y2, metres] = values.map_err(|_| wanted())?.as_slice() else { return Err(wanted()) };
+    let pixels = (x2 - x1).hypot(y2 - y1);
+    if pixels < 1.0 || metres <= 0.0 {
+        return Err(format!("'{text}': the points must be a pixel or more apart, and the metres above 0"));
+    }
+    Ok(metres / pixels)
 }
 
 /// Parses a colour, `RRGGBB` in hexadecimal.
