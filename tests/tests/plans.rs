@@ -1,7 +1,8 @@
 //! Plans as people have them, from end to end: dialects of map descriptions, kinds of images, colours.
 
-use compass_tests::{Folder, number, numbers};
+use compass_tests::{Folder, Ran, number, numbers};
 use image::{DynamicImage, GrayImage, ImageFormat, Luma, Rgb, RgbImage};
+use serde_json::Value;
 use std::io::Cursor;
 
 const SIZE: (u32, u32) = (200, 120);
@@ -40,7 +41,15 @@ fn png(image: impl Into<DynamicImage>) -> Vec<u8> {
 }
 
 fn ranges(folder: &Folder, plan: &str, options: &str) -> Vec<f64> {
-    numbers(&folder.json(&format!("describe {plan} {AT} {options}"))["range_m"])
+    numbers(&described(folder, &format!("describe {plan} {AT} {options}"))["range_m"])
+}
+
+/// The result of a command that may leave a note.
+fn described(folder: &Folder, line: &str) -> Value {
+    let Ran { status, stdout, stderr } = folder.run(line);
+    assert_eq!(status, Some(0), "{line}: {stderr}");
+    assert!(stderr.lines().all(|line| line.starts_with("compass: note: ")), "{line}: {stderr}");
+    serde_json::from_str(&stdout).unwrap()
 }
 
 /// The ranges of the drawing, dark on light.
@@ -97,7 +106,7 @@ fn a_turned_map_shows_the_same_walls() {
     let (u, v) = (2.5, 3.0);
     let (x, y) = (-3.0 + u * angle.cos() - v * angle.sin(), -2.0 + u * angle.sin() + v * angle.cos());
     let heading = 33.0 + angle.to_degrees();
-    let found = folder.json(&format!("describe map.yaml --at={x},{y} --heading {heading} --json -"));
+    let found = described(&folder, &format!("describe map.yaml --at={x},{y} --heading {heading} --json -"));
     let found = numbers(&found["range_m"]);
     let close = found.iter().zip(&upright).filter(|(a, b)| (**a - **b).abs() <= 0.1).count();
     assert!(close >= 340, "{close} of 360 within 0.1 m");
@@ -224,7 +233,7 @@ fn colours_mean_what_is_told() {
     paint([98, 70, 102, 90], [255, 0, 0]);
     folder.write("plan.png", &png(plan));
     let hits = |options: &str| {
-        let found = folder.json(&format!("describe plan.png {AT} {HAND_MADE} {options}"));
+        let found = described(&folder, &format!("describe plan.png {AT} {HAND_MADE} {options}"));
         let windows = found["hit"].as_array().unwrap().iter().filter(|hit| **hit == "window").count();
         (windows, numbers(&found["range_m"]), number(&found["stats"]["window_bins"]))
     };

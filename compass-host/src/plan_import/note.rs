@@ -4,7 +4,7 @@ use super::ink::Ink;
 use crate::image_file::{Pixels, Samples};
 use std::collections::BTreeMap;
 use std::fmt;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Share of dark pixels from which a drawing may be white on dark, percent.
 const MOSTLY_DARK_PERCENT: u64 = 60;
@@ -88,14 +88,14 @@ impl fmt::Display for PlanNote {
 }
 
 /// A note on a drawing that may be white on dark.
-pub(super) fn mostly_dark(path: &PathBuf, pixels: &Pixels, walls: &[u8]) -> Option<PlanNote> {
+pub(super) fn mostly_dark(path: &Path, pixels: &Pixels, walls: &[u8]) -> Option<PlanNote> {
     let set: u64 = walls.iter().map(|byte| u64::from(byte.count_ones())).sum();
     let percent = 100 * set / (u64::from(pixels.width) * u64::from(pixels.height));
-    (percent >= MOSTLY_DARK_PERCENT).then(|| PlanNote::MostlyDark { path: path.clone(), percent })
+    (percent >= MOSTLY_DARK_PERCENT).then(|| PlanNote::MostlyDark { path: path.to_path_buf(), percent })
 }
 
 /// A note on the most frequent colour that is no glazing and no door, if there are lines of it.
-pub(super) fn coloured(path: &PathBuf, pixels: &Pixels, ink: &Ink) -> Option<PlanNote> {
+pub(super) fn coloured(path: &Path, pixels: &Pixels, ink: &Ink) -> Option<PlanNote> {
     let Samples::Rgb(rgb) = &pixels.samples else { return None };
     let pixels = rgb.as_chunks::<3>().0;
     // Similar colours count as one, named by the first of them.
@@ -106,7 +106,7 @@ pub(super) fn coloured(path: &PathBuf, pixels: &Pixels, ink: &Ink) -> Option<Pla
     let (colour, count) = found.into_values().max_by_key(|(_, count)| *count)?;
     let enough = count >= 20.max(pixels.len() as u64 / 10_000);
     let is_wall = ink.is_dark(ink.level_of(colour));
-    enough.then(|| PlanNote::Coloured { path: path.clone(), colour, pixels: count, is_wall })
+    enough.then(|| PlanNote::Coloured { path: path.to_path_buf(), colour, pixels: count, is_wall })
 }
 
 fn is_coloured(pixel: [u8; 3]) -> bool {
