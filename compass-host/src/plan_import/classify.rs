@@ -1,7 +1,8 @@
 //! Pixels to walls and glazing.
 //!
 //! **First pass**, each pixel alone. Redness is `R - max(G, B)`, luma is that of BT.601.
-//! - glazing: redness at least `red_excess`, *faint* when below twice that; or the named colour, *faint* when paler than 3/4 of it
+//! - glazing: redness at least `red_excess`, *faint* when below twice that; or the named colour, *faint* when paler than 3/4
+//!   of it
 //! - a door, where its colour is named: free
 //! - wall: luma below `dark_below`; *plain* when below 3/4 of that with redness below a quarter of
 //!   `red_excess` (black or dark gray ink), else *doubtful*
