@@ -40,10 +40,9 @@ pub(super) struct Masks {
 }
 
 impl Masks {
-    /// Whether every pixel is wall.
-    pub(super) fn walls_fill(&self, width: u32, height: u32) -> bool {
-        let set: u64 = self.walls.iter().map(|byte| u64::from(byte.count_ones())).sum();
-        set == u64::from(width) * u64::from(height)
+    /// How many pixels are wall.
+    pub(super) fn wall_pixels(&self) -> u64 {
+        self.walls.iter().map(|byte| u64::from(byte.count_ones())).sum()
     }
 }
 

@@ -106,16 +106,17 @@ pub fn load_with_notes(options: &PlanOptions) -> Result<(PlanRaster, Vec<PlanNot
             classify::pair(&plan, &walls, &ink)
         }
     };
-    if masks.walls.iter().all(|&byte| byte == 0) {
+    let (pixels, wall_pixels) = (u64::from(plan.width) * u64::from(plan.height), masks.wall_pixels());
+    if wall_pixels == 0 {
         check_colours(&image, &plan)?;
         let path = options.walls.clone().unwrap_or(image);
         return Err(PlanImportError::NoWalls { path, dark_below: ink.dark_below });
     }
-    if masks.walls_fill(plan.width, plan.height) {
+    if wall_pixels == pixels {
         check_colours(&image, &plan)?;
     }
     if !is_yaml(&options.plan) && options.walls.is_none() {
-        notes.extend(note::mostly_dark(&image, &plan, &masks.walls));
+        notes.extend(note::mostly_dark(&image, 100 * wall_pixels / pixels));
         notes.extend(note::coloured(&image, &plan, &ink));
     }
     let Masks { walls, windows } = masks;

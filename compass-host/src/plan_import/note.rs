@@ -87,10 +87,8 @@ impl fmt::Display for PlanNote {
     }
 }
 
-/// A note on a drawing that may be white on dark.
-pub(super) fn mostly_dark(path: &Path, pixels: &Pixels, walls: &[u8]) -> Option<PlanNote> {
-    let set: u64 = walls.iter().map(|byte| u64::from(byte.count_ones())).sum();
-    let percent = 100 * set / (u64::from(pixels.width) * u64::from(pixels.height));
+/// A note on a drawing that may be white on dark, by the percentage of its pixels that are wall.
+pub(super) fn mostly_dark(path: &Path, percent: u64) -> Option<PlanNote> {
     (percent >= MOSTLY_DARK_PERCENT).then(|| PlanNote::MostlyDark { path: path.to_path_buf(), percent })
 }
 

@@ -1,6 +1,7 @@
 //! A plan turned about the outer corner of its bottom-left pixel, as the yaw of a map's origin says.
 
 use super::raster::PlanRaster;
+use std::f64::consts::FRAC_PI_2;
 
 /// Deviation from a quarter turn that counts as none, radians: across 100 m it shifts a plan by less than 1 mm.
 const SLACK: f64 = 1e-5;
@@ -10,8 +11,7 @@ const SLACK: f64 = 1e-5;
 /// Quarter turns are exact; at other angles each pixel is what the plan has at its centre. `None` where a side would be
 /// longer than 65535 pixels.
 pub(super) fn turned(plan: PlanRaster, yaw: f64) -> Option<PlanRaster> {
-    let [sin, cos] =
-        [yaw.sin(), yaw.cos()].map(|v| if (v - v.round()).abs() <= SLACK { v.round() } else { v });
+    let (sin, cos) = sin_cos(yaw);
     if cos == 1.0 {
         return Some(plan);
     }
@@ -39,6 +39,20 @@ pub(super) fn turned(plan: PlanRaster, yaw: f64) -> Option<PlanRaster> {
     Some(found)
 }
 
+/// Sine and cosine, exact at quarter turns.
+fn sin_cos(yaw: f64) -> (f64, f64) {
+    let quarters = (yaw / FRAC_PI_2).round();
+    if (yaw - quarters * FRAC_PI_2).abs() > SLACK {
+        return yaw.sin_cos();
+    }
+    match quarters.rem_euclid(4.0) as u8 {
+        0 => (0.0, 1.0),
+        1 => (1.0, 0.0),
+        2 => (0.0, -1.0),
+        _ => (-1.0, 0.0),
+    }
+}
+
 /// The least of four values, and the whole pixels from it to the largest.
 fn extent(values: [f64; 4]) -> Option<(f64, u32)> {
     let least = values.into_iter().fold(f64::INFINITY, f64::min);
@@ -51,7 +65,7 @@ fn extent(values: [f64; 4]) -> Option<(f64, u32)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::f64::consts::{FRAC_PI_2, PI};
+    use std::f64::consts::PI;
 
     /// Three pixels wide, two high: a wall at (2, 0), glazing at (0, 1).
     fn plan() -> PlanRaster {
@@ -73,6 +87,20 @@ mod tests {
         let mut around = plan();
         (0..4).for_each(|_| around = turned(around.clone(), FRAC_PI_2).unwrap());
         assert_eq!((&around.walls, &around.windows), (&plan().walls, &plan().windows));
+    }
+
+    #[test]
+    fn small_angles_are_no_quarter_turns() {
+        // 0.4 m across 100 m, where the cosine is 1 to within the slack.
+        let mut plan = PlanRaster::empty(1000, 3, 0.1, [0.0; 2]);
+        (0..1000).for_each(|x| plan.set_wall(x, 0));
+        let found = turned(plan, 0.004).unwrap();
+        assert!(found.is_wall(10, 0) && found.is_wall(990, 4) && !found.is_wall(990, 0));
+        for (turns, wanted) in
+            [(-1.0, (-1.0, 0.0)), (-2.0, (0.0, -1.0)), (3.0, (-1.0, 0.0)), (5.0, (1.0, 0.0))]
+        {
+            assert_eq!(sin_cos(turns * FRAC_PI_2), wanted, "{turns}");
+        }
     }
 
     #[test]
