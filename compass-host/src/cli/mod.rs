@@ -21,6 +21,7 @@ mod pose;
 mod progress;
 mod see;
 mod segments;
+mod show_plan;
 mod simulate;
 mod up;
 mod windows;
@@ -43,6 +44,8 @@ enum Command {
     Demo(demo::Demo),
     /// Cast the descriptor of a position from a plan
     Describe(describe::Describe),
+    /// Show what is understood of a plan: a picture and a summary, and masks for other programs
+    Plan(show_plan::ShowPlan),
     /// Build site files, join them, or print what is in one
     #[command(subcommand)]
     Map(map::Map),
@@ -74,6 +77,7 @@ impl Cli {
         match &self.command {
             Command::Demo(command) => command.run(),
             Command::Describe(command) => command.run(),
+            Command::Plan(command) => command.run(),
             Command::Map(command) => command.run(),
             Command::Localize(command) => command.run(),
             Command::Evaluate(command) => command.run(),

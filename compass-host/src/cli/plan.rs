@@ -1,10 +1,11 @@
 //! The options that every command with a plan shares.
 
 use super::notes::note;
-use anyhow::{Context as _, Result, bail};
+use anyhow::{Context as _, Result};
 use compass_core::base::scan::Scan;
-use compass_host::plan_import::structure::keep_structure;
-use compass_host::plan_import::{self, PlanOptions, PlanRaster};
+use compass_host::plan_import::{
+    self, DrawingOptions, Imported, LayerPattern, LayerRole, LayerRoles, NAMED_UNITS, PlanOptions, PlanRaster,
+};
 use compass_host::site::PackedPlan;
 use std::path::{Path, PathBuf};
 
@@ -44,14 +45,56 @@ pub(super) struct Reading {
     /// The drawing is light on dark (of a ROS map: the opposite of its negate)
     #[arg(long)]
     invert: bool,
-    /// Keep only walls at least M metres thick and the glazing of the facade [default without a value: 0.25]
+    #[command(flatten)]
+    drawing: Layers,
+    /// Keep only the structure: what layers of a drawing call so, and walls at least M metres thick, with the glazing
+    /// of the facade [default without a value: 0.25]
     #[arg(long, value_name = "M", num_args = 0..=1, default_missing_value = "0.25", value_parser = finite)]
     structure: Option<f64>,
 }
 
+/// What the layers of a CAD drawing are. PATTERNS: names separated by commas, without case, * for any letters and ? for
+/// one; of several that match the longest counts, and names that none matches are looked up in a table.
+#[derive(Debug, Clone, clap::Args)]
+struct Layers {
+    /// Layers that show walls
+    #[arg(long, value_name = "PATTERNS", value_delimiter = ',')]
+    layers_wall: Vec<LayerPattern>,
+    /// Layers that show the structure: outer walls, columns, concrete
+    #[arg(long, value_name = "PATTERNS", value_delimiter = ',')]
+    layers_structure: Vec<LayerPattern>,
+    /// Layers that show glazing
+    #[arg(long, value_name = "PATTERNS", value_delimiter = ',')]
+    layers_glazing: Vec<LayerPattern>,
+    /// Layers that show doors, which count as open
+    #[arg(long, value_name = "PATTERNS", value_delimiter = ',')]
+    layers_door: Vec<LayerPattern>,
+    /// Layers that are no part of the plan
+    #[arg(long, value_name = "PATTERNS", value_delimiter = ',')]
+    layers_ignore: Vec<LayerPattern>,
+    /// Unit of the drawing, in place of what the file says: mm, cm, dm, m, in or ft
+    #[arg(long, value_name = "UNIT", value_parser = unit)]
+    unit: Option<f64>,
+}
+
+impl Layers {
+    fn options(&self) -> DrawingOptions {
+        let told = [
+            (&self.layers_wall, LayerRole::Wall),
+            (&self.layers_structure, LayerRole::Structure),
+            (&self.layers_glazing, LayerRole::Glazing),
+            (&self.layers_door, LayerRole::Door),
+            (&self.layers_ignore, LayerRole::Ignored),
+        ];
+        let told =
+            told.into_iter().flat_map(|(patterns, role)| patterns.iter().map(move |p| (p.clone(), role)));
+        DrawingOptions { layers: LayerRoles { told: told.collect() }, unit_m: self.unit }
+    }
+}
+
 impl Reading {
-    /// Reads and packs a plan.
-    pub(super) fn load(&self, plan: &Path) -> Result<(PlanRaster, PackedPlan)> {
+    /// Reads a plan; what a user should know of it goes to standard error.
+    pub(super) fn import(&self, plan: &Path) -> Result<Imported> {
         let mut options = PlanOptions::new(plan);
         options.walls.clone_from(&self.walls);
         options.resolution_m = self.resolution.or(self.scale_points);
@@ -61,11 +104,18 @@ impl Reading {
         options.glazing = self.glazing_color;
         options.door = self.door_color;
         options.invert = self.invert;
-        let (mut raster, notes) = plan_import::load_with_notes(&options)?;
-        notes.iter().for_each(|text| note(&text.to_string()));
+        options.drawing = self.drawing.options();
+        let mut imported = plan_import::import(&options)?;
+        imported.notes.iter().for_each(|text| note(&text.to_string()));
         if let Some(thickness_m) = self.structure {
-            raster = keep_structure(&raster, thickness_m).with_context(|| plan.display().to_string())?;
+            imported.plan = imported.structure(thickness_m).with_context(|| plan.display().to_string())?;
         }
+        Ok(imported)
+    }
+
+    /// Reads and packs a plan.
+    pub(super) fn load(&self, plan: &Path) -> Result<(PlanRaster, PackedPlan)> {
+        let raster = self.import(plan)?.plan;
         let packed = PackedPlan::new(&raster).with_context(|| plan.display().to_string())?;
         Ok((raster, packed))
     }
@@ -74,7 +124,7 @@ impl Reading {
 /// A plan file, by position or by `--plan`, and how it is read.
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct PlanArgs {
-    /// Floor plan: dark = wall, red = glazing; or a ROS map .yaml
+    /// Floor plan: dark = wall, red = glazing; a ROS map .yaml; or a drawing .dxf or .dwg
     #[arg(value_name = "PLAN", conflicts_with = "plan_option")]
     plan: Option<PathBuf>,
     /// The same, as an option
@@ -92,15 +142,23 @@ impl PlanArgs {
 
     /// Reads and packs the plan.
     pub(super) fn load(&self) -> Result<(PlanRaster, PackedPlan)> {
-        let Some(path) = self.path() else { bail!("no plan: name one as PLAN or with --plan FILE") };
-        self.reading.load(path)
+        self.reading.load(self.named()?)
+    }
+
+    /// Reads the plan.
+    pub(super) fn import(&self) -> Result<Imported> {
+        self.reading.import(self.named()?)
+    }
+
+    fn named(&self) -> Result<&Path> {
+        self.path().context("no plan: name one as PLAN or with --plan FILE")
     }
 }
 
 /// A pose on a plan to hold something against; all or nothing.
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct PoseOnPlan {
-    /// Floor plan to hold it against: dark = wall, red = glazing; or a ROS map .yaml
+    /// Floor plan to hold it against: dark = wall, red = glazing; a ROS map .yaml; or a drawing .dxf or .dwg
     #[arg(long, value_name = "FILE", requires = "at", requires = "heading")]
     plan: Option<PathBuf>,
     /// Position on the plan in metres
@@ -157,6 +215,13 @@ fn colour(text: &str) -> Result<[u8; 3], String> {
     let bits = bits.ok_or_else(|| format!("'{text}' is not a colour RRGGBB in hexadecimal digits"))?;
     let [_, colour @ ..] = bits.to_be_bytes();
     Ok(colour)
+}
+
+/// Metres of a unit by its name.
+fn unit(text: &str) -> Result<f64, String> {
+    let found = NAMED_UNITS.iter().find(|(name, _)| name.eq_ignore_ascii_case(text));
+    let names = || NAMED_UNITS.map(|(name, _)| name).join(", ");
+    found.map(|(_, metres)| *metres).ok_or_else(|| format!("'{text}' is not one of the units {}", names()))
 }
 
 /// Parses a finite number.

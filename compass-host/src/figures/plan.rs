@@ -6,6 +6,7 @@ use super::axes::{ABOVE, Axes, Axis, BELOW, BESIDE};
 use super::canvas::{Canvas, Rect};
 use super::error::{DrawError, Drawn};
 use super::style::{PLAN_WALL, WINDOW};
+use plotters::style::RGBColor;
 
 /// Tallest plot of a plan in pixels.
 const TALLEST: f64 = 1500.0;
@@ -123,21 +124,29 @@ impl PlanPicture<'_> {
 
     /// Draws walls and windows; ink narrower than a pixel stays visible, glazing takes precedence.
     pub(super) fn draw(&self, canvas: &Canvas<'_>, axes: &Axes) -> Drawn {
+        self.paint(canvas, axes, |x, y| {
+            let window = (self.is_window)(x, y).then_some((1, WINDOW));
+            window.or_else(|| (self.is_wall)(x, y).then_some((0, PLAN_WALL)))
+        })
+    }
+
+    /// Paints each square of the picture in the colour of its pixels; where they differ, that of the highest rank.
+    pub(super) fn paint(
+        &self,
+        canvas: &Canvas<'_>,
+        axes: &Axes,
+        colour: impl Fn(u32, u32) -> Option<(u8, RGBColor)>,
+    ) -> Drawn {
         let metres = (axes.x.to - axes.x.from) / axes.frame.width();
         let column =
             |px: f64| (axes.x.from + (px - axes.frame.left) * metres - self.origin[0]) / self.resolution_m;
         let row =
             |px: f64| (axes.y.from + (axes.frame.bottom - px) * metres - self.origin[1]) / self.resolution_m;
-        let any = |square: Rect, is: &dyn Fn(u32, u32) -> bool| {
-            cells(row(square.bottom), row(square.top), self.height)
-                .any(|y| cells(column(square.left), column(square.right), self.width).any(|x| is(x, y)))
-        };
         canvas.paint(axes.frame, |square| {
-            if any(square, self.is_window) {
-                Some(WINDOW)
-            } else {
-                any(square, self.is_wall).then_some(PLAN_WALL)
-            }
+            let rows = cells(row(square.bottom), row(square.top), self.height);
+            let columns = cells(column(square.left), column(square.right), self.width);
+            let pixels = rows.flat_map(|y| columns.clone().map(move |x| (x, y)));
+            pixels.filter_map(|(x, y)| colour(x, y)).max_by_key(|(rank, _)| *rank).map(|(_, colour)| colour)
         })
     }
 }

@@ -52,6 +52,45 @@ pub enum PlanImportError {
         /// The first luma that is not dark (of the inverted image when the map is negated).
         dark_below: u16,
     },
+    /// A drawing is not of its format, or too large once it is unfolded.
+    #[error("{}: not a {format} drawing that can be read: {reason}", path.display())]
+    Drawing {
+        /// The file.
+        path: PathBuf,
+        /// The format by the file's name.
+        format: &'static str,
+        /// The reader's message.
+        reason: String,
+    },
+    /// This build of the program does not read the format.
+    #[error("{}: this build does not read {format}; build it with --features {feature}", path.display())]
+    Feature {
+        /// The file.
+        path: PathBuf,
+        /// The format.
+        format: &'static str,
+        /// The Cargo feature that reads it.
+        feature: &'static str,
+    },
+    /// No layer of a drawing shows walls.
+    #[error("{}: no layer shows walls; --layers-wall says which do, of: {}", path.display(), layers.join(", "))]
+    NoWallLayer {
+        /// The drawing.
+        path: PathBuf,
+        /// The names of its layers.
+        layers: Vec<String>,
+    },
+    /// A drawing has too many pixels.
+    #[error(
+        "{}: {:.0} x {:.0} m are too many pixels; a coarser --resolution, another --unit or fewer layers may help",
+        path.display(), sides_m[0], sides_m[1]
+    )]
+    DrawingSize {
+        /// The drawing.
+        path: PathBuf,
+        /// Its sides in metres.
+        sides_m: [f64; 2],
+    },
     /// A map description is not YAML, or lacks a field, or a field has the wrong type.
     #[error("{}: not a ROS map description: {reason}", path.display())]
     Yaml {

@@ -1,27 +1,43 @@
 //! Floor plans from image files: a wall mask and a glazing mask, south row first.
 //!
-//! Three inputs are supported: one image (dark = wall, red = glazing), a pair of images of one size (glazing = what
-//! the plan has beyond the walls), or a ROS `map_server` description (`.yaml`). `classify` classifies the pixels; this
-//! module checks everything else.
+//! Supported are one image (dark = wall, red = glazing), a pair of images of one size (glazing = what the plan has
+//! beyond the walls), a ROS `map_server` description (`.yaml`), and vector drawings, whose layers say what is wall.
+//! `classify` classifies pixels, `vector` draws lines; this module checks everything else.
 
+mod bits;
+#[cfg(any(feature = "cad", feature = "drawings"))]
+mod cavity;
 mod classify;
+#[cfg(any(feature = "cad", feature = "drawings"))]
+mod clusters;
 mod error;
 mod ink;
+mod layers;
 mod note;
+#[cfg(any(feature = "cad", feature = "drawings"))]
+mod paint;
 mod raster;
 mod ros_map;
 pub mod structure;
+mod summary;
+pub mod survey;
 mod turned;
+#[cfg(any(feature = "cad", feature = "drawings"))]
+mod vector;
 
+pub use crate::drawing::unit::{NAMED_UNITS, Unit, UnitSource};
 pub use error::PlanImportError;
-pub use note::PlanNote;
+pub use layers::{EmptyPattern, LayerPattern, LayerRole, LayerRoles};
+pub use note::{PlanNote, UnknownLayer};
 pub use raster::PlanRaster;
+pub use summary::{DrawingOptions, LayerSummary};
 
 use std::path::{Path, PathBuf};
 
 use crate::image_file::{self, Pixels};
 use classify::Masks;
 use ink::{Ink, Tone};
+use structure::{Bearing, StructureError, keep_structure};
 
 /// Metres per pixel when neither the options nor a map description say otherwise.
 pub const DEFAULT_RESOLUTION_M: f64 = 0.01;
@@ -38,7 +54,7 @@ pub const DEFAULT_RED_EXCESS: u8 = 60;
 /// The location of a plan and how to read it.
 #[derive(Debug, Clone)]
 pub struct PlanOptions {
-    /// An image, or a ROS `map_server` description ending in `.yaml` or `.yml`.
+    /// An image, a ROS `map_server` description ending in `.yaml` or `.yml`, or a drawing ending in `.dxf` or `.dwg`.
     pub plan: PathBuf,
     /// An image of the same size with the walls alone; glazing is what the plan has beyond it.
     pub walls: Option<PathBuf>,
@@ -57,6 +73,8 @@ pub struct PlanOptions {
     pub door: Option<[u8; 3]>,
     /// Whether the drawing is light on dark. With a map description: the opposite of what that says.
     pub invert: bool,
+    /// How a vector drawing is read.
+    pub drawing: DrawingOptions,
 }
 
 impl PlanOptions {
@@ -73,6 +91,7 @@ impl PlanOptions {
             glazing: None,
             door: None,
             invert: false,
+            drawing: DrawingOptions::default(),
         }
     }
 }
@@ -84,14 +103,63 @@ impl PlanOptions {
 /// pair of two sizes; a map description with missing or rejected fields; a resolution outside [`RESOLUTION_RANGE_M`]
 /// or an origin that is not finite.
 pub fn load(options: &PlanOptions) -> Result<PlanRaster, PlanImportError> {
-    load_with_notes(options).map(|(plan, _)| plan)
+    import(options).map(|imported| imported.plan)
 }
 
-/// [`load`], with what a user should know of the plan although it was read.
+/// A plan, and what was understood of its file.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct Imported {
+    /// The plan.
+    pub plan: PlanRaster,
+    /// The layers of a drawing; empty for images.
+    pub layers: Vec<LayerSummary>,
+    /// What a user should know although the plan was read.
+    pub notes: Vec<PlanNote>,
+    /// What is drawn but no part of the plan, as walls; `None` for images.
+    pub left_out: Option<PlanRaster>,
+    /// Doors of a drawing, as walls, where a layer shows them.
+    pub doors: Option<PlanRaster>,
+    bearing: Option<Bearing>,
+}
+
+impl Imported {
+    /// Whether the layers of a drawing say what is structure.
+    #[must_use]
+    pub const fn has_structure(&self) -> bool {
+        self.bearing.is_some()
+    }
+
+    /// The structure: what the layers of a drawing call so, and of other walls those at least `thickness_m` thick;
+    /// with the glazing of the facade.
+    ///
+    /// # Errors
+    /// [`StructureError`].
+    pub fn structure(&self, thickness_m: f64) -> Result<PlanRaster, StructureError> {
+        match &self.bearing {
+            Some(bearing) => bearing.structure(&self.plan, thickness_m),
+            None => keep_structure(&self.plan, thickness_m),
+        }
+    }
+
+    const fn image(plan: PlanRaster, notes: Vec<PlanNote>) -> Self {
+        Self { plan, layers: Vec::new(), notes, left_out: None, doors: None, bearing: None }
+    }
+}
+
+/// [`load`], with what was understood of the file.
 ///
 /// # Errors
 /// As [`load`].
-pub fn load_with_notes(options: &PlanOptions) -> Result<(PlanRaster, Vec<PlanNote>), PlanImportError> {
+pub fn import(options: &PlanOptions) -> Result<Imported, PlanImportError> {
+    match drawing_format(&options.plan) {
+        Some(format) => import_drawing(options, format),
+        None => load_image(options).map(|(plan, notes)| Imported::image(plan, notes)),
+    }
+}
+
+/// A plan from an image or a map description.
+fn load_image(options: &PlanOptions) -> Result<(PlanRaster, Vec<PlanNote>), PlanImportError> {
     let Source { image, resolution_m, origin, yaw, ink, note } = Source::of(options)?;
     let mut notes = Vec::from_iter(note);
     check_resolution(&options.plan, resolution_m)?;
@@ -143,15 +211,20 @@ struct Source {
 }
 
 impl Source {
-    fn of(options: &PlanOptions) -> Result<Self, PlanImportError> {
-        let plain = Ink {
+    /// Colours as the options say, of a drawing that says nothing itself.
+    fn plain_ink(options: &PlanOptions) -> Ink {
+        Ink {
             tone: if options.invert { Tone::Negative } else { Tone::Positive },
             mean: false,
             dark_below: u16::from(options.dark_below),
             red_excess: options.red_excess,
             glazing: options.glazing,
             door: options.door,
-        };
+        }
+    }
+
+    fn of(options: &PlanOptions) -> Result<Self, PlanImportError> {
+        let plain = Self::plain_ink(options);
         if !is_yaml(&options.plan) {
             return Ok(Self {
                 image: options.plan.clone(),
@@ -196,6 +269,56 @@ fn description_beside(options: &PlanOptions) -> Option<PlanNote> {
         resolution_m: map.resolution_m,
         taken_m,
     })
+}
+
+/// The format of a vector drawing by its file's name.
+#[derive(Debug, Clone, Copy)]
+enum DrawingFormat {
+    Dxf,
+    Dwg,
+}
+
+impl DrawingFormat {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Dxf => "DXF",
+            Self::Dwg => "DWG",
+        }
+    }
+}
+
+fn drawing_format(path: &Path) -> Option<DrawingFormat> {
+    let end = path.extension()?.to_str()?.to_ascii_lowercase();
+    match end.as_str() {
+        "dxf" => Some(DrawingFormat::Dxf),
+        "dwg" => Some(DrawingFormat::Dwg),
+        _ => None,
+    }
+}
+
+#[cfg(feature = "cad")]
+fn import_drawing(options: &PlanOptions, format: DrawingFormat) -> Result<Imported, PlanImportError> {
+    let path = &options.plan;
+    std::fs::metadata(path).map_err(|source| PlanImportError::Read { path: path.clone(), source })?;
+    if let Some(resolution_m) = options.resolution_m {
+        check_resolution(path, resolution_m)?;
+    }
+    check_origin(path, options.origin.unwrap_or_default())?;
+    let told = options.drawing.unit_m.map(|metres| Unit { metres, source: UnitSource::Told });
+    let drawing = crate::drawing::cad::read(path, told).map_err(|error| PlanImportError::Drawing {
+        path: path.clone(),
+        format: format.name(),
+        reason: error.to_string(),
+    })?;
+    let ink = Source::plain_ink(options);
+    let vector::Vector { plan, bearing, layers, notes, left_out, doors } =
+        vector::import(path, drawing, &options.drawing, &ink, options.resolution_m, options.origin)?;
+    Ok(Imported { plan, layers, notes, left_out: Some(left_out), doors, bearing })
+}
+
+#[cfg(not(feature = "cad"))]
+fn import_drawing(options: &PlanOptions, format: DrawingFormat) -> Result<Imported, PlanImportError> {
+    Err(PlanImportError::Feature { path: options.plan.clone(), format: format.name(), feature: "cad" })
 }
 
 fn is_yaml(path: &Path) -> bool {

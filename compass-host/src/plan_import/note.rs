@@ -1,6 +1,7 @@
 //! What a user should know of a plan although it was read.
 
 use super::ink::Ink;
+use crate::drawing::unit::{Unit, UnitSource};
 use crate::image_file::{Pixels, Samples};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -54,6 +55,67 @@ pub enum PlanNote {
         /// Whether they count as wall.
         is_wall: bool,
     },
+    /// Layers of a drawing whose names say nothing.
+    UnknownLayers {
+        /// The drawing.
+        path: PathBuf,
+        /// The layers.
+        layers: Vec<UnknownLayer>,
+        /// Whether they count as walls, because no other layer does; else they are left out.
+        taken_for_walls: bool,
+    },
+    /// Objects of a drawing that are not read.
+    Unread {
+        /// The drawing.
+        path: PathBuf,
+        /// Their kinds and how many there are of each.
+        kinds: Vec<(String, usize)>,
+    },
+    /// The unit of a drawing is guessed or doubtful.
+    Unit {
+        /// The drawing.
+        path: PathBuf,
+        /// The unit that was taken.
+        unit: Unit,
+        /// The longer side of what is drawn, in metres.
+        side_m: f64,
+    },
+    /// Model space holds drawings apart from each other.
+    SeveralDrawings {
+        /// The drawing file.
+        path: PathBuf,
+        /// Least and greatest x and y of each that is kept, in metres.
+        extents_m: Vec<[[f64; 2]; 2]>,
+        /// How many small ones were left out.
+        left_out: usize,
+    },
+    /// The drawing is too large for the usual resolution.
+    Coarser {
+        /// The drawing.
+        path: PathBuf,
+        /// Metres per pixel that were taken.
+        resolution_m: f64,
+        /// Sides of what is drawn, in metres.
+        sides_m: [f64; 2],
+    },
+}
+
+/// A layer whose name says nothing.
+#[derive(Debug, Clone, PartialEq)]
+pub struct UnknownLayer {
+    /// Its name.
+    pub name: String,
+    /// Its lines and areas.
+    pub entities: usize,
+    /// Sides of their extent in metres.
+    pub sides_m: [f64; 2],
+}
+
+impl fmt::Display for UnknownLayer {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [width, height] = self.sides_m;
+        write!(f, "'{}' ({} entities, {width:.1} x {height:.1} m)", self.name, self.entities)
+    }
 }
 
 impl fmt::Display for PlanNote {
@@ -82,6 +144,55 @@ impl fmt::Display for PlanNote {
                  --glazing-color and --door-color say what colours mean",
                 path.display(),
                 if *is_wall { "wall" } else { "free" }
+            ),
+            Self::UnknownLayers { path, layers, taken_for_walls } => {
+                let layers: Vec<String> = layers.iter().map(ToString::to_string).collect();
+                let taken = if *taken_for_walls { "taken for walls" } else { "left out" };
+                write!(
+                    f,
+                    "{}: {taken}, as their names say nothing: layers {}; --layers-wall and its like say what they are",
+                    path.display(),
+                    layers.join(", ")
+                )
+            }
+            Self::Unread { path, kinds } => {
+                let kinds: Vec<String> =
+                    kinds.iter().map(|(kind, count)| format!("{count} x {kind}")).collect();
+                write!(
+                    f,
+                    "{}: not read: {}; explode them into lines in the CAD program if they are walls",
+                    path.display(),
+                    kinds.join(", ")
+                )
+            }
+            Self::Unit { path, unit, side_m } => {
+                let source = match unit.source {
+                    UnitSource::Guessed => "the file names no unit; from its size",
+                    _ => "the file says that",
+                };
+                write!(
+                    f,
+                    "{}: {source} a unit is 1 {unit}, and the plan is {side_m:.1} m long; --unit says another",
+                    path.display()
+                )
+            }
+            Self::SeveralDrawings { path, extents_m, left_out } => {
+                let extents: Vec<String> = extents_m
+                    .iter()
+                    .map(|[[x0, y0], [x1, y1]]| format!("{x0:.1},{y0:.1} to {x1:.1},{y1:.1}"))
+                    .collect();
+                write!(
+                    f,
+                    "{}: {} drawings apart from each other, at {} m; {left_out} small ones left out",
+                    path.display(),
+                    extents.len(),
+                    extents.join(" and at ")
+                )
+            }
+            Self::Coarser { path, resolution_m, sides_m: [width, height] } => write!(
+                f,
+                "{}: {width:.0} x {height:.0} m is large: {resolution_m} m per pixel is taken; --resolution says another",
+                path.display()
             ),
         }
     }

@@ -80,6 +80,24 @@ impl PlanRaster {
         put(&mut self.windows, &mut self.walls, at);
     }
 
+    /// Makes the glazing of `other`, a plan of the same size, glazing here, over walls.
+    pub(super) fn glaze(&mut self, other: &Self) {
+        let here = self.walls.iter_mut().zip(&mut self.windows);
+        for ((walls, windows), other) in here.zip(&other.windows) {
+            *windows |= other;
+            *walls &= !other;
+        }
+    }
+
+    /// Makes the walls of `other`, a plan of the same size, walls here, over glazing.
+    pub(super) fn wall_up(&mut self, other: &Self) {
+        let here = self.walls.iter_mut().zip(&mut self.windows);
+        for ((walls, windows), other) in here.zip(&other.walls) {
+            *walls |= other;
+            *windows &= !other;
+        }
+    }
+
     /// Nanometres per pixel, rounded to nearest; a resolution outside `u32` saturates, NaN is 0.
     #[must_use]
     pub fn resolution_nm(&self) -> u32 {

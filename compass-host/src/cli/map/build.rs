@@ -8,8 +8,8 @@ use anyhow::{Context as _, Result};
 use compass_core::map::site::{MAX_NAME_BYTES, Site, is_name};
 use compass_host::interior::CLEARANCE_M;
 use compass_host::output::{Decimal, write_file};
-use compass_host::plan_import::PlanRaster;
-use compass_host::plan_import::structure::{DEFAULT_THICKNESS_M, StructureError, keep_structure};
+use compass_host::plan_import::Imported;
+use compass_host::plan_import::structure::{DEFAULT_THICKNESS_M, StructureError};
 use compass_host::site::{BuildOptions, PackedPlan};
 use compass_host::site_file::floor_bytes_with_progress;
 use serde::Serialize;
@@ -35,7 +35,7 @@ pub(in crate::cli) struct Build {
     /// Layers of the floor: 1 the plan as drawn, 2 its structure alone as well, where it can be told
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=2))]
     layers: u8,
-    /// Thinnest wall of the structure in metres
+    /// Thinnest wall of the structure in metres, where layers of a drawing do not say which walls it has
     #[arg(long, value_name = "M", default_value_t = DEFAULT_THICKNESS_M, value_parser = finite, allow_hyphen_values = true)]
     thickness: f64,
     /// The site file to write
@@ -65,13 +65,15 @@ enum Structure {
 impl Build {
     pub(super) fn run(&self) -> Result<Outcome> {
         let started = Instant::now();
-        let (raster, plan) = self.plan.load()?;
+        let imported = self.plan.import()?;
         let path = self.plan.path().unwrap_or(Path::new(""));
+        let raster = &imported.plan;
+        let plan = PackedPlan::new(raster).with_context(|| path.display().to_string())?;
         let options =
             BuildOptions { spacing_m: self.spacing, clearance_m: self.clearance, max_gap_m: self.max_gap };
-        let structure = self.structure(&raster, &plan).with_context(|| path.display().to_string())?;
+        let structure = self.structure(&imported, &plan).with_context(|| path.display().to_string())?;
         let name = self.name.clone().unwrap_or_else(|| default_name(path));
-        let bytes = floor_bytes_with_progress(&name, &raster, &plan, structure.packed(), &options, &Bars)
+        let bytes = floor_bytes_with_progress(&name, raster, &plan, structure.packed(), &options, &Bars)
             .with_context(|| path.display().to_string())?;
         write_file(&self.out, &bytes)?;
         if let Some(path) = &self.plan_out {
@@ -88,11 +90,11 @@ impl Build {
         Ok(Outcome::Done)
     }
 
-    fn structure(&self, raster: &PlanRaster, plan: &PackedPlan) -> Result<Structure> {
+    fn structure(&self, imported: &Imported, plan: &PackedPlan) -> Result<Structure> {
         if self.layers == 1 {
             return Ok(Structure::None("as asked".into()));
         }
-        let kept = match keep_structure(raster, self.thickness) {
+        let kept = match imported.structure(self.thickness) {
             Ok(kept) => PackedPlan::new(&kept)?,
             Err(error @ StructureError::Thickness(_)) => return Err(error.into()),
             Err(error) => return Ok(Structure::None(format!("no structure: {error}"))),

@@ -1,0 +1,46 @@
+//! DXF and DWG: model space as shapes by layer.
+//!
+//! Blocks are inserted with their scale, rotation, mirroring and arrays; what a block draws on layer 0 takes the
+//! layer of the insert. Frozen and switched-off layers, invisible entities and paper space are left out. Heights are
+//! dropped: a drawing is seen from above.
+
+mod shapes;
+mod walk;
+
+use super::unit::Unit;
+use super::{Drawing, DrawingError};
+use acadrust::{CadDocument, DwgReadOptions, DwgReader, DxfReader};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+use walk::Walk;
+
+/// Most bytes that the sections of a DWG may unpack to.
+const MAX_UNPACKED_BYTES: usize = 2 << 30;
+
+/// Reads a drawing whose name ends in `.dxf` or `.dwg`; `told` replaces the unit of the file.
+///
+/// # Errors
+/// [`DrawingError`]: a file that is not of its format, or one too large.
+pub(crate) fn read(path: &Path, told: Option<Unit>) -> Result<Drawing, DrawingError> {
+    // The reader is other people's code, fed with strangers' files: its panic is an error of the file.
+    let parsed = catch_unwind(AssertUnwindSafe(|| parse(path)));
+    let document = parsed.map_err(|_| DrawingError::Syntax("the reader gave up".into()))??;
+    let unit = told.or_else(|| Unit::of_insertion_units(document.header.insertion_units));
+    let mut walk = Walk::new(&document, unit);
+    walk.model_space()?;
+    Ok(walk.finish())
+}
+
+fn parse(path: &Path) -> Result<CadDocument, DrawingError> {
+    let is_dwg = path.extension().is_some_and(|end| end.eq_ignore_ascii_case("dwg"));
+    let document = if is_dwg {
+        let options = DwgReadOptions::failsafe().with_max_decompressed_bytes(MAX_UNPACKED_BYTES);
+        DwgReader::from_file_with_options(path, options).and_then(|mut reader| reader.read())
+    } else {
+        DxfReader::from_file(path).and_then(DxfReader::read)
+    };
+    document.map_err(|error| DrawingError::Syntax(error.to_string()))
+}
+
+#[cfg(test)]
+mod tests;

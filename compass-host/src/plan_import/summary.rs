@@ -1,0 +1,27 @@
+//! How a drawing is read, and what was understood of its layers.
+
+use super::layers::{LayerRole, LayerRoles};
+
+/// How vector drawings are read; rasters need none of it.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct DrawingOptions {
+    /// Which layer is what.
+    pub layers: LayerRoles,
+    /// Metres of one unit of the drawing, in place of what the file says.
+    pub unit_m: Option<f64>,
+}
+
+/// What was understood of a layer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LayerSummary {
+    /// Its name in the file.
+    pub name: String,
+    /// Entities that are lines or areas and are shown.
+    pub entities: usize,
+    /// Entities that are not shown: frozen, switched off or invisible.
+    pub hidden: usize,
+    /// Texts, dimensions and the like.
+    pub annotations: usize,
+    /// The role that it was given; `None`: not recognised, and left out.
+    pub role: Option<LayerRole>,
+}
