@@ -1,9 +1,11 @@
 //! The options that every command with a plan shares.
 
 use super::notes::note;
+use super::places::PlacesArgs;
 use anyhow::{Context as _, Result, bail};
 use compass_core::base::scan::Scan;
-use compass_host::plan_import::structure::keep_structure;
+use compass_host::interior::Places;
+use compass_host::plan_import::structure::keep_structure_inside;
 use compass_host::plan_import::{self, PlanOptions, PlanRaster};
 use compass_host::site::PackedPlan;
 use std::path::{Path, PathBuf};
@@ -47,6 +49,8 @@ pub(super) struct Reading {
     /// Keep only walls at least M metres thick and the glazing of the facade [default without a value: 0.25]
     #[arg(long, value_name = "M", num_args = 0..=1, default_missing_value = "0.25", value_parser = finite)]
     structure: Option<f64>,
+    #[command(flatten)]
+    places: PlacesArgs,
 }
 
 impl Reading {
@@ -64,7 +68,8 @@ impl Reading {
         let (mut raster, notes) = plan_import::load_with_notes(&options)?;
         notes.iter().for_each(|text| note(&text.to_string()));
         if let Some(thickness_m) = self.structure {
-            raster = keep_structure(&raster, thickness_m).with_context(|| plan.display().to_string())?;
+            raster = keep_structure_inside(&raster, thickness_m, &self.places.places())
+                .with_context(|| plan.display().to_string())?;
         }
         let packed = PackedPlan::new(&raster).with_context(|| plan.display().to_string())?;
         Ok((raster, packed))
@@ -88,6 +93,11 @@ impl PlanArgs {
     /// The file, if one was named.
     pub(super) fn path(&self) -> Option<&Path> {
         self.plan.as_deref().or(self.plan_option.as_deref())
+    }
+
+    /// What is said to be inside.
+    pub(super) fn places(&self) -> Places {
+        self.reading.places.places()
     }
 
     /// Reads and packs the plan.

@@ -8,7 +8,7 @@
 //! word and log2 of the side steps each, and the interior of the plan.
 
 use super::PlanRaster;
-use crate::interior::{self, InteriorError, InteriorOptions};
+use crate::interior::{self, InteriorError, InteriorOptions, Places};
 use compass_core::base::raster::BitMask;
 use thiserror::Error;
 
@@ -39,11 +39,25 @@ pub enum StructureError {
 /// # Errors
 /// [`StructureError`]: a bound out of range, a plan without interior, or no wall as thick as the bound.
 pub fn keep_structure(raster: &PlanRaster, thickness_m: f64) -> Result<PlanRaster, StructureError> {
+    keep_structure_inside(raster, thickness_m, &Places::default())
+}
+
+/// [`keep_structure`] of a plan whose inside is at `places`, if they name any: what else is connected with the edge of
+/// the plan is outdoors, and glazing beside it belongs to the facade.
+///
+/// # Errors
+/// As [`keep_structure`], and a place that cannot be inside.
+pub fn keep_structure_inside(
+    raster: &PlanRaster,
+    thickness_m: f64,
+    places: &Places,
+) -> Result<PlanRaster, StructureError> {
     if !(thickness_m > 0.0 && thickness_m <= MOST_THICKNESS_M) {
         return Err(StructureError::Thickness(thickness_m));
     }
     let (walls, windows) = (raster.walls_mask(), raster.windows_mask());
-    let found = interior::find(&walls, &windows, raster.resolution_m, &InteriorOptions::default())?;
+    let options = InteriorOptions::with_places(places.clone(), raster.origin);
+    let found = interior::find(&walls, &windows, raster.resolution_m, &options)?;
     let side = (thickness_m / raster.resolution_m).round().max(1.0) as usize;
     let mut bits = Bits::new(&raster.walls, raster.width, raster.height);
     bits.open(side);

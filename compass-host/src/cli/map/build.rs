@@ -9,7 +9,7 @@ use compass_core::map::site::{MAX_NAME_BYTES, Site, is_name};
 use compass_host::interior::CLEARANCE_M;
 use compass_host::output::{Decimal, write_file};
 use compass_host::plan_import::PlanRaster;
-use compass_host::plan_import::structure::{DEFAULT_THICKNESS_M, StructureError, keep_structure};
+use compass_host::plan_import::structure::{DEFAULT_THICKNESS_M, StructureError, keep_structure_inside};
 use compass_host::site::{BuildOptions, PackedPlan};
 use compass_host::site_file::floor_bytes_with_progress;
 use serde::Serialize;
@@ -67,8 +67,12 @@ impl Build {
         let started = Instant::now();
         let (raster, plan) = self.plan.load()?;
         let path = self.plan.path().unwrap_or(Path::new(""));
-        let options =
-            BuildOptions { spacing_m: self.spacing, clearance_m: self.clearance, max_gap_m: self.max_gap };
+        let options = BuildOptions {
+            spacing_m: self.spacing,
+            clearance_m: self.clearance,
+            max_gap_m: self.max_gap,
+            places: self.plan.places(),
+        };
         let structure = self.structure(&raster, &plan).with_context(|| path.display().to_string())?;
         let name = self.name.clone().unwrap_or_else(|| default_name(path));
         let bytes = floor_bytes_with_progress(&name, &raster, &plan, structure.packed(), &options, &Bars)
@@ -92,7 +96,7 @@ impl Build {
         if self.layers == 1 {
             return Ok(Structure::None("as asked".into()));
         }
-        let kept = match keep_structure(raster, self.thickness) {
+        let kept = match keep_structure_inside(raster, self.thickness, &self.plan.places()) {
             Ok(kept) => PackedPlan::new(&kept)?,
             Err(error @ StructureError::Thickness(_)) => return Err(error.into()),
             Err(error) => return Ok(Structure::None(format!("no structure: {error}"))),
