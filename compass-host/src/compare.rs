@@ -7,7 +7,7 @@ pub mod segments;
 pub mod sight;
 
 use crate::calibration::CalibrationError;
-use crate::interior::{self, InteriorError};
+use crate::interior::{self, InteriorError, InteriorOptions, Places};
 use crate::plan_import::PlanRaster;
 use crate::progress::{Progress, Silent};
 use crate::reference;
@@ -120,21 +120,22 @@ pub fn compare(
     poses: usize,
     seed: u64,
 ) -> Result<Vec<Stage>, InteriorError> {
-    compare_with_progress(raster, plan, poses, seed, &Silent)
+    compare_with_progress(raster, plan, &Places::default(), poses, seed, &Silent)
 }
 
-/// [`compare`] with progress reports.
+/// [`compare`] with the inside at `places`, if they name any, and with progress reports.
 ///
 /// # Errors
-/// As [`compare`].
+/// As [`compare`], and a place that cannot be inside.
 pub fn compare_with_progress(
     raster: &PlanRaster,
     plan: &PackedPlan,
+    places: &Places,
     poses: usize,
     seed: u64,
     progress: &dyn Progress,
 ) -> Result<Vec<Stage>, InteriorError> {
-    let poses = interior_poses(raster, poses, seed)?;
+    let poses = poses_in_places(raster, places, poses, seed)?;
     let float_plan = reference::Plan::new(
         &raster.walls_mask(),
         &raster.windows_mask(),
@@ -164,8 +165,22 @@ pub fn interior_poses(
     count: usize,
     seed: u64,
 ) -> Result<Vec<(f64, f64, f64)>, InteriorError> {
+    poses_in_places(raster, &Places::default(), count, seed)
+}
+
+/// [`interior_poses`] with the inside at `places`, if they name any.
+///
+/// # Errors
+/// As [`interior_poses`], and a place that cannot be inside.
+pub fn poses_in_places(
+    raster: &PlanRaster,
+    places: &Places,
+    count: usize,
+    seed: u64,
+) -> Result<Vec<(f64, f64, f64)>, InteriorError> {
     let (walls, windows) = (raster.walls_mask(), raster.windows_mask());
-    let inside = interior::find(&walls, &windows, raster.resolution_m, &Default::default())?;
+    let options = InteriorOptions::with_places(places.clone(), raster.origin);
+    let inside = interior::find(&walls, &windows, raster.resolution_m, &options)?;
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
     let mut poses = Vec::with_capacity(count);
     // An interior is at least a square metre, but it may be a small part of a large raster.

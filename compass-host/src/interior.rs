@@ -13,6 +13,8 @@
 //! 4. **Pieces.** Connected pieces below [`MIN_PIECE_M2`] (ducts, hollow piers) are dropped, and those
 //!    of which less than half is enclosed by [`WELL_ENCLOSED`]: outer corners that the disc cannot fill.
 //!
+//! Where this finds nothing, or something else than meant, the user says where the inside is: [`Places`].
+//!
 //! A walled passage narrower than the bridged gap counts as inside: nothing in the plan distinguishes it from a
 //! corridor.
 //!
@@ -22,12 +24,16 @@ mod candidates;
 mod enclosure;
 mod grid;
 mod outside;
+mod places;
 #[cfg(test)]
 mod tests;
+
+pub use places::{MIN_PLACE_M2, Places, PlacesError};
 
 use compass_core::base::raster::BitMask;
 use enclosure::RAYS;
 use grid::Grid;
+use places::Ground;
 
 /// Target side of a cell in metres; a cell is a whole number of pixels.
 pub const CELL_M: f64 = 0.08;
@@ -50,18 +56,32 @@ const WIDEST_GAP_M: f64 = 100.0;
 const MAX_CELLS: u32 = 8192;
 
 /// Options of [`find`].
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 #[non_exhaustive]
 pub struct InteriorOptions {
     /// Widest opening of the outline to bridge, in metres; `None` tries [`GAP_LADDER_M`] in turn.
     pub max_gap_m: Option<f64>,
+    /// What is inside, in map metres; if anything is named here, nothing else is inside.
+    pub places: Places,
+    /// Map position in metres of the outer corner of pixel (0, 0); it matters to the places alone.
+    pub origin: [f64; 2],
 }
 
 impl InteriorOptions {
     /// Options that bridge openings up to `max_gap_m` metres, without the ladder.
     #[must_use]
     pub const fn with_max_gap_m(max_gap_m: f64) -> Self {
-        Self { max_gap_m: Some(max_gap_m) }
+        Self {
+            max_gap_m: Some(max_gap_m),
+            places: Places { points: Vec::new(), regions: Vec::new() },
+            origin: [0.0; 2],
+        }
+    }
+
+    /// Options with the inside at these places of the map, on a plan whose pixel (0, 0) has its outer corner at `origin`.
+    #[must_use]
+    pub const fn with_places(places: Places, origin: [f64; 2]) -> Self {
+        Self { max_gap_m: None, places, origin }
     }
 }
 
@@ -71,7 +91,8 @@ impl InteriorOptions {
 pub enum InteriorError {
     /// No place is inside.
     #[error(
-        "plan has no interior: no free place of {MIN_PIECE_M2} m2 is enclosed (gaps up to {max_gap_m} m bridged)"
+        "plan has no interior: no free place of {MIN_PIECE_M2} m2 is enclosed (gaps up to {max_gap_m} m bridged); \
+         say where it is with --inside X,Y or --region X0,Y0,X1,Y1"
     )]
     NoInterior {
         /// The widest bridged gap.
@@ -92,6 +113,9 @@ pub enum InteriorError {
     /// The candidate clearance is negative or not finite.
     #[error("candidate clearance is {0} m, expected a number from 0")]
     Clearance(f64),
+    /// A place that the options name cannot be inside.
+    #[error(transparent)]
+    Places(#[from] PlacesError),
 }
 
 /// The inside of a plan, on a grid of cells.
@@ -132,7 +156,7 @@ impl Interior {
         self.inside.iter().filter(|&&inside| inside).count() as f64 * side * side
     }
 
-    /// Widest bridged opening, in metres.
+    /// Widest bridged opening, in metres; 0 where none had to be.
     #[must_use]
     pub const fn max_gap_m(&self) -> f64 {
         self.max_gap_m
@@ -151,8 +175,8 @@ impl Interior {
 /// everything is outside.
 ///
 /// # Errors
-/// [`InteriorError::NoInterior`] when nothing is enclosed; [`InteriorError::Size`],
-/// [`InteriorError::Resolution`] and [`InteriorError::Gap`] for unusable input.
+/// [`InteriorError::NoInterior`] when nothing is enclosed; [`InteriorError::Places`] for a place that cannot be
+/// inside; [`InteriorError::Size`], [`InteriorError::Resolution`] and [`InteriorError::Gap`] for unusable input.
 pub fn find(
     walls: &BitMask<'_>,
     windows: &BitMask<'_>,
@@ -175,13 +199,12 @@ pub fn find(
 
     let grid = Grid::new(walls, windows, cell_px, margin);
     let distance2 = grid.distance2(&grid.occupied);
-    let hits = enclosure::hits(&grid);
-    let (mut inside, max_gap_m) = climb(&grid, &distance2, &hits, ladder, cell_m);
-    let least = (MIN_PIECE_M2 / (cell_m * cell_m)).ceil() as usize;
-    grid.drop_pieces(&mut inside, least, |at| f64::from(hits[at]) >= WELL_ENCLOSED * f64::from(RAYS));
-    if !inside.contains(&true) {
-        return Err(InteriorError::NoInterior { max_gap_m });
-    }
+    let (inside, max_gap_m) = if options.places.is_empty() {
+        enclosed(&grid, &distance2, ladder, cell_m)?
+    } else {
+        let plan = plan_on_map(walls, resolution_m, options.origin);
+        Ground { grid: &grid, distance2: &distance2, cell_m, plan }.inside(&options.places, ladder)?
+    };
     let (columns, rows) = grid.plan_size();
     Ok(Interior {
         cell_px,
@@ -194,6 +217,30 @@ pub fn find(
         resolution_m,
         max_gap_m,
     })
+}
+
+/// Lowest x, lowest y, highest x, highest y of a plan in map metres.
+fn plan_on_map(mask: &BitMask<'_>, resolution_m: f64, [x, y]: [f64; 2]) -> [f64; 4] {
+    let [width, height] = [mask.width(), mask.height()].map(|side| f64::from(side) * resolution_m);
+    [x, y, x + width, y + height]
+}
+
+/// The inside cells by the enclosure that the plan shows, and the bridged gap in metres.
+fn enclosed(
+    grid: &Grid,
+    distance2: &[i32],
+    ladder: &[f64],
+    cell_m: f64,
+) -> Result<(Vec<bool>, f64), InteriorError> {
+    let hits = enclosure::hits(grid);
+    let (mut inside, max_gap_m) = climb(grid, distance2, &hits, ladder, cell_m);
+    let least = (MIN_PIECE_M2 / (cell_m * cell_m)).ceil() as usize;
+    grid.drop_pieces(&mut inside, least, |at| f64::from(hits[at]) >= WELL_ENCLOSED * f64::from(RAYS));
+    if inside.contains(&true) {
+        Ok((inside, max_gap_m))
+    } else {
+        Err(InteriorError::NoInterior { max_gap_m })
+    }
 }
 
 /// The inside cells for the first gap of the ladder that leaves enough of them, and that gap.

@@ -25,7 +25,7 @@ const MOST_BYTES: usize = 640_000;
 /// The packed plan of the sample building, and a site map of it.
 fn sample() -> (Vec<u8>, Vec<u8>) {
     let (raster, plan) = sample_plan();
-    let options = BuildOptions { spacing_m: SPACING_M, clearance_m: CLEARANCE_M, max_gap_m: None };
+    let options = BuildOptions { spacing_m: SPACING_M, clearance_m: CLEARANCE_M, ..BuildOptions::default() };
     let map = build(raster, plan, None, &options).unwrap();
     (plan.as_bytes().to_vec(), map)
 }

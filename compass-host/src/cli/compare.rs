@@ -75,11 +75,13 @@ impl Compare {
         let (raster, plan) = if self.plan.path().is_some() { self.plan.load()? } else { sample()? };
         let name = || self.plan.path().map_or_else(|| "sample building".into(), |p| p.display().to_string());
         let lenses = self.lenses()?;
-        let mut stages = compare_with_progress(&raster, &plan, self.poses as usize, self.seed, &Bars)
-            .with_context(name)?;
+        let places = self.plan.places();
+        let mut stages =
+            compare_with_progress(&raster, &plan, &places, self.poses as usize, self.seed, &Bars)
+                .with_context(name)?;
         stages.extend(camera::stages(&lenses));
-        stages.extend(segments::stages(&raster, self.seed).with_context(name)?);
-        stages.extend(sight::stages(&raster, self.seed).with_context(name)?);
+        stages.extend(segments::stages(&raster, &places, self.seed).with_context(name)?);
+        stages.extend(sight::stages(&raster, &places, self.seed).with_context(name)?);
         let in_bounds = stages.iter().all(|s| s.in_bounds);
         let mut summary = String::new();
         let _ = writeln!(summary, "{:<48} {:>12} {:>12} {:>12}  unit", "stage", "worst", "typical", "bound");

@@ -16,6 +16,7 @@ mod map;
 mod notes;
 mod pack;
 mod pictures;
+mod places;
 mod plan;
 mod pose;
 mod progress;

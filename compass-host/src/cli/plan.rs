@@ -1,8 +1,10 @@
 //! The options that every command with a plan shares.
 
 use super::notes::note;
+use super::places::PlacesArgs;
 use anyhow::{Context as _, Result};
 use compass_core::base::scan::Scan;
+use compass_host::interior::Places;
 use compass_host::plan_import::{
     self, DrawingOptions, Imported, LayerPattern, LayerRole, LayerRoles, NAMED_UNITS, PlanOptions, PlanRaster,
 };
@@ -51,6 +53,8 @@ pub(super) struct Reading {
     /// of the facade [default without a value: 0.25]
     #[arg(long, value_name = "M", num_args = 0..=1, default_missing_value = "0.25", value_parser = finite)]
     structure: Option<f64>,
+    #[command(flatten)]
+    places: PlacesArgs,
 }
 
 /// What the layers of a CAD drawing are. PATTERNS: names separated by commas, without case, * for any letters and ? for
@@ -108,7 +112,9 @@ impl Reading {
         let mut imported = plan_import::import(&options)?;
         imported.notes.iter().for_each(|text| note(&text.to_string()));
         if let Some(thickness_m) = self.structure {
-            imported.plan = imported.structure(thickness_m).with_context(|| plan.display().to_string())?;
+            imported.plan = imported
+                .structure(thickness_m, &self.places.places())
+                .with_context(|| plan.display().to_string())?;
         }
         Ok(imported)
     }
@@ -138,6 +144,11 @@ impl PlanArgs {
     /// The file, if one was named.
     pub(super) fn path(&self) -> Option<&Path> {
         self.plan.as_deref().or(self.plan_option.as_deref())
+    }
+
+    /// What is said to be inside.
+    pub(super) fn places(&self) -> Places {
+        self.reading.places.places()
     }
 
     /// Reads and packs the plan.

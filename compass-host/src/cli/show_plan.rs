@@ -80,7 +80,8 @@ impl ShowPlan {
         let output = output(&imported, &inside, suspects.len());
         let text = summary(&output);
         if let Some(path) = &self.picture {
-            draw(path, &imported, &inside, &suspects, &caption(&output))?;
+            let structure = imported.structure(DEFAULT_THICKNESS_M, &self.plan.places()).ok();
+            draw(path, &imported, structure.as_ref(), &inside, &suspects, &caption(&output))?;
         }
         if let Some(dir) = &self.export {
             export(dir, &imported.plan)?;
@@ -91,7 +92,8 @@ impl ShowPlan {
 
     fn inside(&self, plan: &PlanRaster) -> Inside {
         let (walls, windows) = (plan.walls_mask(), plan.windows_mask());
-        let found = interior::find(&walls, &windows, plan.resolution_m, &InteriorOptions::default());
+        let options = InteriorOptions::with_places(self.plan.places(), plan.origin);
+        let found = interior::find(&walls, &windows, plan.resolution_m, &options);
         let found = found.map_err(|error| error.to_string())?;
         let cells = found.candidates(&walls, &windows, self.spacing, CLEARANCE_M);
         let position = |[column, row]: [u16; 2]| {
@@ -203,13 +205,13 @@ fn summary(output: &Output) -> String {
 fn draw(
     path: &std::path::Path,
     imported: &Imported,
+    structure: Option<&PlanRaster>,
     inside: &Inside,
     suspects: &[([f64; 2], f64)],
     caption: &str,
 ) -> Result<()> {
-    let structure = imported.structure(DEFAULT_THICKNESS_M).ok();
     let interior = inside.as_ref().ok();
-    let is_structure = |x: u32, y: u32| structure.as_ref().is_some_and(|structure| structure.is_wall(x, y));
+    let is_structure = |x: u32, y: u32| structure.is_some_and(|structure| structure.is_wall(x, y));
     let is_door = |x: u32, y: u32| imported.doors.as_ref().is_some_and(|doors| doors.is_wall(x, y));
     let is_left_out = |x: u32, y: u32| imported.left_out.as_ref().is_some_and(|other| other.is_wall(x, y));
     let is_inside = |x: u32, y: u32| interior.is_some_and(|(interior, _)| interior.is_inside_px(x, y));

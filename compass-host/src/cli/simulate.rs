@@ -4,7 +4,7 @@ use super::exit::Outcome;
 use super::plan::{PlanArgs, finite, size};
 use super::progress::Bars;
 use crate::cli::json::JsonOption;
-use anyhow::{Result, bail};
+use anyhow::{Context as _, Result, bail};
 use compass_core::vision::camera::Rig;
 use compass_host::calibration::{Calibration, NOMINAL_YAML};
 use compass_host::dataset::tum::{self, Pose};
@@ -14,7 +14,7 @@ use compass_host::simulate::dataset::{self, Format};
 use compass_host::simulate::{Renderer, Scene, SceneOptions};
 use serde::Serialize;
 use std::collections::BTreeSet;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 #[derive(Debug, clap::Args)]
@@ -88,7 +88,8 @@ impl Simulate {
         calibration.all_valid()?;
         let (rig, (width, height)) = self.rig(&calibration)?;
         let start = Instant::now();
-        let scene = Scene::new(&self.scene_options(), &raster);
+        let scene = Scene::in_places(&self.scene_options(), &raster, &self.plan.places())
+            .with_context(|| self.plan.path().unwrap_or(Path::new("")).display().to_string())?;
         let renderer = Renderer::new(&scene, &rig, self.samples);
         let format = if self.png { Format::Png } else { Format::Jpeg(self.quality) };
         dataset::write(&self.out, &renderer, &poses, format, &Bars)?;

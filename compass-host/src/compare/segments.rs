@@ -4,6 +4,7 @@ use super::{CompareError, Stage};
 use crate::calibration::Calibration;
 use crate::dataset::tum::Pose;
 use crate::frame::{Frame, SegmentDetector};
+use crate::interior::Places;
 use crate::plan_import::PlanRaster;
 use crate::reference::segments as reference;
 use crate::simulate::{Renderer, Scene, SceneOptions};
@@ -24,16 +25,16 @@ const POSES: usize = 3;
 /// at random interior poses.
 ///
 /// # Errors
-/// A plan without interior.
-pub fn stages(raster: &PlanRaster, seed: u64) -> Result<Vec<Stage>, CompareError> {
+/// A plan without interior, or a place that cannot be inside.
+pub fn stages(raster: &PlanRaster, places: &Places, seed: u64) -> Result<Vec<Stage>, CompareError> {
     let rig = Calibration::nominal().rig([Some(FRAME); 2])?;
-    let scene = Scene::new(&SceneOptions::default(), raster);
+    let scene = Scene::in_places(&SceneOptions::default(), raster, places)?;
     let renderer = Renderer::new(&scene, &rig, None);
     let mut detector = SegmentDetector::new(FRAME.0, FRAME.1);
     let mut smoothed = vec![];
     // Matched length and total length, of the core's and of the reference's segments.
     let mut lengths = [[0.0; 2]; 2];
-    for (x, y, heading) in super::interior_poses(raster, POSES, seed)? {
+    for (x, y, heading) in super::poses_in_places(raster, places, POSES, seed)? {
         let pose = Pose::looking(0, [x, y, HEIGHT_M], heading, 8.0, 185.0);
         for image in renderer.render(&pose).into_iter().flatten() {
             let frame = Frame::from_rgb(image).ok_or(CompareError::Frame)?;

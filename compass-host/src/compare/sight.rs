@@ -4,6 +4,7 @@ use super::{CompareError, Stage};
 use crate::calibration::Calibration;
 use crate::dataset::tum::Pose;
 use crate::frame::{Frame, SegmentDetector};
+use crate::interior::Places;
 use crate::plan_import::PlanRaster;
 use crate::reference::{attitude as reference, boundary as real};
 use crate::simulate::{Renderer, Scene, SceneOptions};
@@ -40,14 +41,14 @@ struct Differences {
 /// reference starts from the core's result of the step before.
 ///
 /// # Errors
-/// A plan without interior.
-pub fn stages(raster: &PlanRaster, seed: u64) -> Result<Vec<Stage>, CompareError> {
+/// A plan without interior, or a place that cannot be inside.
+pub fn stages(raster: &PlanRaster, places: &Places, seed: u64) -> Result<Vec<Stage>, CompareError> {
     let rig = Calibration::nominal().rig([Some(FRAME); 2])?;
-    let scene = Scene::new(&SceneOptions::default(), raster);
+    let scene = Scene::in_places(&SceneOptions::default(), raster, places)?;
     let renderer = Renderer::new(&scene, &rig, None);
     let mut detectors = [(); 2].map(|()| SegmentDetector::new(FRAME.0, FRAME.1));
     let mut found = Differences::default();
-    for (x, y, heading) in super::interior_poses(raster, POSES, seed)? {
+    for (x, y, heading) in super::poses_in_places(raster, places, POSES, seed)? {
         let pose = Pose::looking(0, [x, y, HEIGHT_M], heading, 8.0, 185.0);
         let up: Bearing = pose.up_in_camera().cast();
         let [front, back] = renderer.render(&pose).map(|image| image.and_then(Frame::from_rgb));

@@ -38,6 +38,11 @@ impl Grid {
         (self.columns - 2 * self.margin, self.rows - 2 * self.margin)
     }
 
+    /// The index of a cell of the plan, counted without the margin.
+    pub(super) const fn at(&self, column: usize, row: usize) -> usize {
+        (row + self.margin) * self.columns + column + self.margin
+    }
+
     /// The cells of the plan without the margin.
     pub(super) fn without_margin<T: Copy>(&self, cells: &[T]) -> Vec<T> {
         let (columns, rows) = self.plan_size();
@@ -91,11 +96,20 @@ impl Grid {
     /// The cells where `open` that are 4-connected with the border of the grid.
     pub(super) fn flood_from_border(&self, open: impl Fn(usize) -> bool) -> Vec<bool> {
         let (columns, cells) = (self.columns, self.occupied.len());
-        let mut reached = vec![false; cells];
         let ends = (0..columns).chain(cells - columns..cells);
         let sides = (0..self.rows).flat_map(|row| [row * columns, (row + 1) * columns - 1]);
+        self.flood(ends.chain(sides), open)
+    }
+
+    /// The cells where `open` that are 4-connected with one of `starts`.
+    pub(super) fn flood(
+        &self,
+        starts: impl IntoIterator<Item = usize>,
+        open: impl Fn(usize) -> bool,
+    ) -> Vec<bool> {
+        let mut reached = vec![false; self.occupied.len()];
         let mut stack = Vec::new();
-        for at in ends.chain(sides) {
+        for at in starts {
             if !reached[at] && open(at) {
                 reached[at] = true;
                 stack.push(at);

@@ -1,5 +1,7 @@
 //! ASCII-art plans (`#` wall, `o` window, north up), and the real plans if available.
 
+mod places;
+
 use std::time::Instant;
 
 use super::*;

@@ -35,9 +35,10 @@ pub use summary::{DrawingOptions, LayerSummary};
 use std::path::{Path, PathBuf};
 
 use crate::image_file::{self, Pixels};
+use crate::interior::Places;
 use classify::Masks;
 use ink::{Ink, Tone};
-use structure::{Bearing, StructureError, keep_structure};
+use structure::{Bearing, StructureError, keep_structure_inside};
 
 /// Metres per pixel when neither the options nor a map description say otherwise.
 pub const DEFAULT_RESOLUTION_M: f64 = 0.01;
@@ -131,14 +132,14 @@ impl Imported {
     }
 
     /// The structure: what the layers of a drawing call so, and of other walls those at least `thickness_m` thick;
-    /// with the glazing of the facade.
+    /// with the glazing of the facade. `places` say what is inside, where they name anything.
     ///
     /// # Errors
     /// [`StructureError`].
-    pub fn structure(&self, thickness_m: f64) -> Result<PlanRaster, StructureError> {
+    pub fn structure(&self, thickness_m: f64, places: &Places) -> Result<PlanRaster, StructureError> {
         match &self.bearing {
-            Some(bearing) => bearing.structure(&self.plan, thickness_m),
-            None => keep_structure(&self.plan, thickness_m),
+            Some(bearing) => bearing.structure(&self.plan, thickness_m, places),
+            None => keep_structure_inside(&self.plan, thickness_m, places),
         }
     }
 

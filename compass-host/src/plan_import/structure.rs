@@ -9,7 +9,7 @@
 
 use super::bits::Bits;
 use super::raster::PlanRaster;
-use crate::interior::{self, Interior, InteriorError, InteriorOptions};
+use crate::interior::{self, Interior, InteriorError, InteriorOptions, Places};
 use compass_core::base::raster::BitMask;
 use thiserror::Error;
 
@@ -53,6 +53,7 @@ impl Bearing {
         &self,
         plan: &PlanRaster,
         thickness_m: f64,
+        places: &Places,
     ) -> Result<PlanRaster, StructureError> {
         check_thickness(thickness_m)?;
         let mut kept = thick(&self.possible, thickness_m);
@@ -62,7 +63,7 @@ impl Bearing {
         if kept.walls.iter().all(|&byte| byte == 0) {
             return Err(StructureError::NoWalls(thickness_m));
         }
-        match outline(plan) {
+        match outline(plan, places) {
             Ok(found) => keep_facade(&mut kept, &found),
             Err(InteriorError::NoInterior { .. }) => {}
             Err(error) => return Err(error.into()),
@@ -76,8 +77,21 @@ impl Bearing {
 /// # Errors
 /// [`StructureError`]: a bound out of range, a plan without interior, or no wall as thick as the bound.
 pub fn keep_structure(raster: &PlanRaster, thickness_m: f64) -> Result<PlanRaster, StructureError> {
+    keep_structure_inside(raster, thickness_m, &Places::default())
+}
+
+/// [`keep_structure`] of a plan whose inside is at `places`, if they name any: what else is connected with the edge of
+/// the plan is outdoors, and glazing beside it belongs to the facade.
+///
+/// # Errors
+/// As [`keep_structure`], and a place that cannot be inside.
+pub fn keep_structure_inside(
+    raster: &PlanRaster,
+    thickness_m: f64,
+    places: &Places,
+) -> Result<PlanRaster, StructureError> {
     check_thickness(thickness_m)?;
-    let found = outline(raster)?;
+    let found = outline(raster, places)?;
     let mut kept = thick(raster, thickness_m);
     if kept.walls.iter().all(|&byte| byte == 0) {
         return Err(StructureError::NoWalls(thickness_m));
@@ -93,9 +107,10 @@ fn check_thickness(thickness_m: f64) -> Result<(), StructureError> {
     Err(StructureError::Thickness(thickness_m))
 }
 
-fn outline(raster: &PlanRaster) -> Result<Interior, InteriorError> {
+fn outline(raster: &PlanRaster, places: &Places) -> Result<Interior, InteriorError> {
     let (walls, windows) = (raster.walls_mask(), raster.windows_mask());
-    interior::find(&walls, &windows, raster.resolution_m, &InteriorOptions::default())
+    let options = InteriorOptions::with_places(places.clone(), raster.origin);
+    interior::find(&walls, &windows, raster.resolution_m, &options)
 }
 
 /// The plan with walls of at least that thickness alone.

@@ -1,7 +1,7 @@
 //! The plan in the renderer's form: one byte per cell, with exact rays from cell border to cell border.
 
 use super::panes::Panes;
-use crate::interior::{self, Interior, InteriorOptions};
+use crate::interior::Interior;
 use crate::plan_import::PlanRaster;
 
 /// What a cell holds; [`FREE`] and above is free floor, the excess over it the chessboard distance to the nearest cell
@@ -49,16 +49,10 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// Cells of a plan, with all distances of free cells still unmeasured: see [`Self::measure`].
-    pub(super) fn new(raster: &PlanRaster) -> Self {
+    /// Cells of a plan, with all distances of free cells still unmeasured: see [`Self::measure`]. Without an interior all
+    /// that is free is inside.
+    pub(super) fn new(raster: &PlanRaster, inside: Option<&Interior>) -> Self {
         let (width, height) = (raster.width as usize, raster.height as usize);
-        let found = interior::find(
-            &raster.walls_mask(),
-            &raster.windows_mask(),
-            raster.resolution_m,
-            &InteriorOptions::default(),
-        );
-        let inside = found.as_ref().ok();
         let mut cells = Vec::with_capacity(width * height);
         for y in 0..raster.height {
             for x in 0..raster.width {

@@ -6,6 +6,7 @@ use super::panes::Panes;
 use super::solids::{Shape, Solid};
 use super::style::{Colour, Look};
 use super::texture::{hash, unit};
+use crate::interior::{self, Interior, InteriorError, InteriorOptions, Places};
 use crate::plan_import::PlanRaster;
 use image::{Rgb, RgbImage};
 use rand::{RngExt as _, SeedableRng as _};
@@ -56,6 +57,11 @@ impl Default for SceneOptions {
     }
 }
 
+fn interior_of(raster: &PlanRaster, places: &Places) -> Result<Interior, InteriorError> {
+    let options = InteriorOptions::with_places(places.clone(), raster.origin);
+    interior::find(&raster.walls_mask(), &raster.windows_mask(), raster.resolution_m, &options)
+}
+
 /// A furnished plan, ready to be rendered from any place.
 #[derive(Debug)]
 pub struct Scene {
@@ -68,12 +74,31 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Furnishes a plan.
+    /// Furnishes a plan. Where no interior is found, all that is free is inside.
     #[must_use]
     pub fn new(options: &SceneOptions, raster: &PlanRaster) -> Self {
+        Self::with_interior(options, raster, interior_of(raster, &Places::default()).ok().as_ref())
+    }
+
+    /// [`Self::new`] with the inside at `places`, if they name any.
+    ///
+    /// # Errors
+    /// [`InteriorError::Places`]: a place that cannot be inside.
+    pub fn in_places(
+        options: &SceneOptions,
+        raster: &PlanRaster,
+        places: &Places,
+    ) -> Result<Self, InteriorError> {
+        if places.is_empty() {
+            return Ok(Self::new(options, raster));
+        }
+        Ok(Self::with_interior(options, raster, Some(&interior_of(raster, places)?)))
+    }
+
+    fn with_interior(options: &SceneOptions, raster: &PlanRaster, inside: Option<&Interior>) -> Self {
         let look = Look::new(options.style, options.ceiling_m);
         let panes = Panes::new(raster, &look);
-        let mut grid = Grid::new(raster);
+        let mut grid = Grid::new(raster, inside);
         if options.missing > 0.0 {
             tear_down(&mut grid, options);
         }

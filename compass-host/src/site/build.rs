@@ -1,7 +1,7 @@
 //! The site map of a plan: candidates on a grid over the interior, each with its scans.
 
 use super::packed_plan::PackedPlan;
-use crate::interior::{self, InteriorError, InteriorOptions};
+use crate::interior::{self, InteriorError, InteriorOptions, Places};
 use crate::output::Bytes;
 use crate::plan_import::PlanRaster;
 use crate::progress::{Progress, Silent};
@@ -35,7 +35,7 @@ pub enum BuildError {
 }
 
 /// Options of [`build`].
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct BuildOptions {
     /// Distance between candidates in metres.
     pub spacing_m: f64,
@@ -43,11 +43,18 @@ pub struct BuildOptions {
     pub clearance_m: f64,
     /// Openings of the outline to bridge, in metres; automatic when absent.
     pub max_gap_m: Option<f64>,
+    /// What is inside, in map metres; if nothing is named, what the plan encloses.
+    pub places: Places,
 }
 
 impl Default for BuildOptions {
     fn default() -> Self {
-        Self { spacing_m: 0.5, clearance_m: interior::CLEARANCE_M, max_gap_m: None }
+        Self {
+            spacing_m: 0.5,
+            clearance_m: interior::CLEARANCE_M,
+            max_gap_m: None,
+            places: Places::default(),
+        }
     }
 }
 
@@ -78,9 +85,9 @@ pub fn build_with_progress(
     options: &BuildOptions,
     progress: &dyn Progress,
 ) -> Result<Vec<u8>, BuildError> {
-    let BuildOptions { spacing_m, clearance_m, max_gap_m } = *options;
+    let BuildOptions { spacing_m, clearance_m, max_gap_m, places } = options.clone();
     let (walls, windows) = (raster.walls_mask(), raster.windows_mask());
-    let choice = max_gap_m.map_or_else(InteriorOptions::default, InteriorOptions::with_max_gap_m);
+    let choice = InteriorOptions { max_gap_m, places, origin: raster.origin };
     let found = interior::find(&walls, &windows, raster.resolution_m, &choice)?;
     let cells = found.candidates(&walls, &windows, spacing_m, clearance_m)?;
     if cells.is_empty() {

@@ -69,8 +69,12 @@ impl Build {
         let path = self.plan.path().unwrap_or(Path::new(""));
         let raster = &imported.plan;
         let plan = PackedPlan::new(raster).with_context(|| path.display().to_string())?;
-        let options =
-            BuildOptions { spacing_m: self.spacing, clearance_m: self.clearance, max_gap_m: self.max_gap };
+        let options = BuildOptions {
+            spacing_m: self.spacing,
+            clearance_m: self.clearance,
+            max_gap_m: self.max_gap,
+            places: self.plan.places(),
+        };
         let structure = self.structure(&imported, &plan).with_context(|| path.display().to_string())?;
         let name = self.name.clone().unwrap_or_else(|| default_name(path));
         let bytes = floor_bytes_with_progress(&name, raster, &plan, structure.packed(), &options, &Bars)
@@ -94,7 +98,7 @@ impl Build {
         if self.layers == 1 {
             return Ok(Structure::None("as asked".into()));
         }
-        let kept = match imported.structure(self.thickness) {
+        let kept = match imported.structure(self.thickness, &self.plan.places()) {
             Ok(kept) => PackedPlan::new(&kept)?,
             Err(error @ StructureError::Thickness(_)) => return Err(error.into()),
             Err(error) => return Ok(Structure::None(format!("no structure: {error}"))),
