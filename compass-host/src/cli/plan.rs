@@ -2,7 +2,7 @@
 
 use super::notes::note;
 use super::places::PlacesArgs;
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, bail};
 use compass_core::base::scan::Scan;
 use compass_host::interior::Places;
 use compass_host::plan_import::{
@@ -20,13 +20,12 @@ pub(super) struct Reading {
     /// Metres per pixel [default: 0.01, or what the ROS .yaml says]
     #[arg(long, value_name = "M", allow_hyphen_values = true)]
     resolution: Option<f64>,
-    /// Metres per pixel from two pixels of the image and the metres between them
+    /// Metres per pixel, or per unit of a drawing, from two points of it and the metres between them
     #[arg(
         long,
         value_name = "X1,Y1,X2,Y2,METRES",
         value_parser = metres_per_pixel,
-        allow_hyphen_values = true,
-        conflicts_with = "resolution"
+        allow_hyphen_values = true
     )]
     scale_points: Option<f64>,
     /// Map position of the outer corner of the bottom-left pixel in metres [default: 0,0]
@@ -79,6 +78,12 @@ struct Layers {
     /// Unit of the drawing, in place of what the file says: mm, cm, dm, m, in or ft
     #[arg(long, value_name = "UNIT", value_parser = unit)]
     unit: Option<f64>,
+    /// Scale of a drawing on paper, .svg or .pdf
+    #[arg(long, value_name = "1:N", value_parser = scale, conflicts_with_all = ["unit", "scale_points"])]
+    scale: Option<f64>,
+    /// Page of a .pdf
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    page: usize,
 }
 
 impl Layers {
@@ -92,16 +97,28 @@ impl Layers {
         ];
         let told =
             told.into_iter().flat_map(|(patterns, role)| patterns.iter().map(move |p| (p.clone(), role)));
-        DrawingOptions { layers: LayerRoles { told: told.collect() }, unit_m: self.unit }
+        DrawingOptions {
+            layers: LayerRoles { told: told.collect() },
+            unit_m: self.unit,
+            scale: self.scale,
+            page: self.page,
+        }
     }
 }
 
 impl Reading {
     /// Reads a plan; what a user should know of it goes to standard error.
     pub(super) fn import(&self, plan: &Path) -> Result<Imported> {
+        let is_page = plan
+            .extension()
+            .is_some_and(|end| end.eq_ignore_ascii_case("svg") || end.eq_ignore_ascii_case("pdf"));
+        if self.scale_points.is_some() && self.resolution.is_some() && !is_page {
+            bail!("{}: --scale-points and --resolution say the same of an image; give one", plan.display());
+        }
         let mut options = PlanOptions::new(plan);
         options.walls.clone_from(&self.walls);
-        options.resolution_m = self.resolution.or(self.scale_points);
+        options.resolution_m = self.resolution;
+        options.scale_points_m = self.scale_points;
         options.origin = self.origin;
         options.dark_below = self.dark_below;
         options.red_excess = self.red_excess;
@@ -130,7 +147,7 @@ impl Reading {
 /// A plan file, by position or by `--plan`, and how it is read.
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct PlanArgs {
-    /// Floor plan: dark = wall, red = glazing; a ROS map .yaml; or a drawing .dxf or .dwg
+    /// Floor plan: dark = wall, red = glazing; a ROS map .yaml; or a drawing .dxf, .dwg, .svg or .pdf
     #[arg(value_name = "PLAN", conflicts_with = "plan_option")]
     plan: Option<PathBuf>,
     /// The same, as an option
@@ -169,7 +186,7 @@ impl PlanArgs {
 /// A pose on a plan to hold something against; all or nothing.
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct PoseOnPlan {
-    /// Floor plan to hold it against: dark = wall, red = glazing; a ROS map .yaml; or a drawing .dxf or .dwg
+    /// Floor plan to hold it against: dark = wall, red = glazing; a ROS map .yaml; or a drawing .dxf, .dwg, .svg or .pdf
     #[arg(long, value_name = "FILE", requires = "at", requires = "heading")]
     plan: Option<PathBuf>,
     /// Position on the plan in metres
@@ -226,6 +243,14 @@ fn colour(text: &str) -> Result<[u8; 3], String> {
     let bits = bits.ok_or_else(|| format!("'{text}' is not a colour RRGGBB in hexadecimal digits"))?;
     let [_, colour @ ..] = bits.to_be_bytes();
     Ok(colour)
+}
+
+/// How many times smaller than the building a drawing is, `1:N`.
+fn scale(text: &str) -> Result<f64, String> {
+    let times = text.strip_prefix("1:").and_then(|times| times.parse::<f64>().ok());
+    times
+        .filter(|times| (1.0..=10_000.0).contains(times))
+        .ok_or_else(|| format!("'{text}' is no scale such as 1:100"))
 }
 
 /// Metres of a unit by its name.

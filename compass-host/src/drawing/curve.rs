@@ -115,6 +115,63 @@ fn de_boor(degree: usize, knots: &[f64], control: &[[f64; 3]], span: usize, t: f
     [x / w, y / w]
 }
 
+/// Contours from the moves of a pen, with Bezier curves as chords.
+#[cfg(feature = "drawings")]
+#[derive(Default)]
+pub(super) struct Outline {
+    pub(super) contours: Vec<Vec<[f64; 2]>>,
+}
+
+/// Chords of a Bezier curve. Drawings are made of short ones: a turn has four.
+#[cfg(feature = "drawings")]
+const BEZIER_CHORDS: u32 = 16;
+
+#[cfg(feature = "drawings")]
+impl Outline {
+    pub(super) fn move_to(&mut self, to: [f64; 2]) {
+        self.contours.push(vec![to]);
+    }
+
+    pub(super) fn line_to(&mut self, to: [f64; 2]) {
+        if let Some(contour) = self.contours.last_mut() {
+            contour.push(to);
+        }
+    }
+
+    pub(super) fn quadratic_to(&mut self, control: [f64; 2], to: [f64; 2]) {
+        let Some(from) = self.position() else { return };
+        // The cubic of the same shape.
+        let towards = |end: [f64; 2]| [0, 1].map(|axis| end[axis] + (control[axis] - end[axis]) * 2.0 / 3.0);
+        self.cubic_to(towards(from), towards(to), to);
+    }
+
+    pub(super) fn cubic_to(&mut self, a: [f64; 2], b: [f64; 2], to: [f64; 2]) {
+        let Some(from) = self.position() else { return };
+        for n in 1..=BEZIER_CHORDS {
+            let t = f64::from(n) / f64::from(BEZIER_CHORDS);
+            let s = 1.0 - t;
+            let along = |axis: usize| {
+                s * s * s * from[axis]
+                    + 3.0 * s * s * t * a[axis]
+                    + 3.0 * s * t * t * b[axis]
+                    + t * t * t * to[axis]
+            };
+            self.line_to([along(0), along(1)]);
+        }
+    }
+
+    /// Closes the contour; what follows without a move starts where it began.
+    pub(super) fn close(&mut self) {
+        let Some(first) = self.contours.last().and_then(|contour| contour.first().copied()) else { return };
+        self.line_to(first);
+        self.move_to(first);
+    }
+
+    fn position(&self) -> Option<[f64; 2]> {
+        self.contours.last()?.last().copied()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,11 +1,15 @@
 //! Vector drawings: lines and filled areas by layer, in metres.
 //!
-//! A reader of a file format ([`cad`]) makes a [`Drawing`] of it; what its layers mean and how walls become a
+//! A reader of a file format (`cad`, `svg`, `pdf`) makes a [`Drawing`] of it; what its layers mean and how walls become a
 //! raster is the business of [`crate::plan_import`].
 
 #[cfg(feature = "cad")]
 pub(crate) mod cad;
 mod curve;
+#[cfg(feature = "drawings")]
+pub(crate) mod pdf;
+#[cfg(feature = "drawings")]
+pub(crate) mod svg;
 pub(crate) mod unit;
 
 use std::collections::BTreeMap;
@@ -83,6 +87,18 @@ impl Drawing {
         }
         self.layers.push(Layer { name: name.to_owned(), ..Layer::default() });
         self.layers.len() - 1
+    }
+
+    /// The index of the layer of a name and a colour; without a name the colour is the name.
+    #[cfg(feature = "drawings")]
+    pub(crate) fn coloured_layer(&mut self, name: &str, colour: [u8; 3]) -> usize {
+        let [r, g, b] = colour;
+        let name = if name.is_empty() { format!("#{r:02x}{g:02x}{b:02x}") } else { name.to_owned() };
+        let known = self.layers.iter().rposition(|layer| layer.name == name && layer.colour == Some(colour));
+        known.unwrap_or_else(|| {
+            self.layers.push(Layer { name, colour: Some(colour), ..Layer::default() });
+            self.layers.len() - 1
+        })
     }
 
     /// Adds a shape, without contours of fewer than two points or with a coordinate that is not finite.

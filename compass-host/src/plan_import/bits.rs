@@ -79,11 +79,15 @@ impl Bits {
         Some((at, (x as u32, (at / self.words) as u32)))
     }
 
+    /// Whether a pixel of the mask's size is in.
+    pub(super) fn contains(&self, (x, y): (u32, u32)) -> bool {
+        self.bits[y as usize * self.words + x as usize / 64] >> (x % 64) & 1 == 1
+    }
+
     /// Takes a pixel of the mask's size out; whether it was in.
     pub(super) fn take(&mut self, (x, y): (u32, u32)) -> bool {
-        let bits = &mut self.bits[y as usize * self.words + x as usize / 64];
-        let was = *bits >> (x % 64) & 1 == 1;
-        *bits &= !(1 << (x % 64));
+        let was = self.contains((x, y));
+        self.bits[y as usize * self.words + x as usize / 64] &= !(1 << (x % 64));
         was
     }
 

@@ -1,14 +1,20 @@
-//! Walls drawn as lines become solid: narrow places that lines enclose are filled.
+//! Walls drawn as lines become solid: narrow places between lines are filled.
 //!
 //! A wall of a drawing is two parallel lines with caps, a window a few lines between jambs. Free pixels from which no
-//! free square of [`CAVITY_M`] can be reached are such cavities. A cavity with much glazing around it is glazing, any
-//! other is wall. The lines that close a glazing cavity towards the room (sills, frames) become glazing too.
+//! free square of [`CAVITY_M`] can be reached are such cavities. Lines often end a little before the next wall: where no
+//! free square of [`OPEN_CAVITY_M`] fits and lines are around but for [`MOST_OPEN`] of the rim, is a cavity as well. One with much
+//! glazing around it is glazing, any other is wall. The lines that close a glazing cavity towards the room (sills,
+//! frames) become glazing too.
 
 use super::bits::Bits;
 use super::raster::PlanRaster;
 
 /// Widest cavity in metres: the thickest wall that is drawn as two lines.
 pub(super) const CAVITY_M: f64 = 0.8;
+/// Widest cavity with open ends, in metres: narrower than any passage.
+const OPEN_CAVITY_M: f64 = 0.5;
+/// Largest share of the rim of a cavity that is open.
+const MOST_OPEN: f64 = 0.15;
 /// Share of glazing around a cavity from which it is glazing.
 const GLAZED: f64 = 0.25;
 /// Width of a line that closes a cavity, in metres.
@@ -16,18 +22,34 @@ const LINE_M: f64 = 0.03;
 
 /// Fills the cavities of a plan whose walls are lines and which has a free margin of [`CAVITY_M`] around it.
 pub(super) fn fill(raster: &mut PlanRaster) {
-    let (width, height) = (raster.width as usize, raster.height as usize);
+    let side = |metres: f64| (metres / raster.resolution_m).ceil().max(1.0) as usize;
+    let [closed, open] = [side(CAVITY_M), side(OPEN_CAVITY_M)];
     let mut free = Bits::free(raster);
-    let side = (CAVITY_M / raster.resolution_m).ceil().max(1.0) as usize;
     let mut roomy = free.clone();
-    roomy.open(side);
+    roomy.open(closed);
     roomy.flood(&free);
     free.clear(&roomy);
-    let mut cavities = Cavities { free, width, height, stack: Vec::new(), cells: Vec::new() };
+    fill_pieces(raster, free);
+    let mut free = Bits::free(raster);
+    let mut roomy = free.clone();
+    roomy.open(open);
+    free.clear(&roomy);
+    fill_pieces(raster, free);
+}
+
+/// Fills the connected pieces of a mask of narrow places that are cavities.
+fn fill_pieces(raster: &mut PlanRaster, narrow: Bits) {
+    let (width, height) = (raster.width as usize, raster.height as usize);
+    let mut cavities =
+        Cavities { left: narrow.clone(), narrow, width, height, stack: Vec::new(), cells: Vec::new() };
     let mut word = 0;
-    while let Some((at, start)) = cavities.free.first_from(word) {
+    while let Some((at, start)) = cavities.left.first_from(word) {
         word = at;
-        let glazed = cavities.gather(raster, start) >= GLAZED;
+        let Rim { walls, windows, open } = cavities.gather(raster, start);
+        if open as f64 > MOST_OPEN * (walls + windows + open) as f64 {
+            continue;
+        }
+        let glazed = windows as f64 >= GLAZED * (walls + windows) as f64;
         for &(x, y) in &cavities.cells {
             if glazed { raster.set_window(x, y) } else { raster.set_wall(x, y) }
         }
@@ -37,9 +59,19 @@ pub(super) fn fill(raster: &mut PlanRaster) {
     }
 }
 
-/// The cavities still to fill.
+/// Sides of the pixels of a piece towards what is around it.
+#[derive(Default)]
+struct Rim {
+    walls: u64,
+    windows: u64,
+    open: u64,
+}
+
+/// Narrow places in pieces.
 struct Cavities {
-    free: Bits,
+    narrow: Bits,
+    /// What no piece has yet.
+    left: Bits,
     width: usize,
     height: usize,
     stack: Vec<(u32, u32)>,
@@ -47,26 +79,30 @@ struct Cavities {
 }
 
 impl Cavities {
-    /// Collects the pixels of the cavity at `start` and takes them out; the share of glazing among what is around it.
-    fn gather(&mut self, raster: &PlanRaster, start: (u32, u32)) -> f64 {
+    /// Collects the pixels of the piece at `start` and takes them out.
+    fn gather(&mut self, raster: &PlanRaster, start: (u32, u32)) -> Rim {
         self.cells.clear();
         self.stack.clear();
-        self.free.take(start);
+        self.left.take(start);
         self.stack.push(start);
-        let (mut walls, mut windows) = (0_u64, 0_u64);
+        let mut rim = Rim::default();
         while let Some(at) = self.stack.pop() {
             self.cells.push(at);
             for next in neighbours(at, self.width, self.height) {
-                if self.free.take(next) {
-                    self.stack.push(next);
+                if self.narrow.contains(next) {
+                    if self.left.take(next) {
+                        self.stack.push(next);
+                    }
                 } else if raster.is_window(next.0, next.1) {
-                    windows += 1;
+                    rim.windows += 1;
                 } else if raster.is_wall(next.0, next.1) {
-                    walls += 1;
+                    rim.walls += 1;
+                } else {
+                    rim.open += 1;
                 }
             }
         }
-        windows as f64 / (walls + windows).max(1) as f64
+        rim
     }
 
     /// Makes the lines around the last cavity glazing.

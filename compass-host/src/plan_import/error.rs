@@ -72,8 +72,14 @@ pub enum PlanImportError {
         /// The Cargo feature that reads it.
         feature: &'static str,
     },
+    /// Nothing tells the scale of a drawing on paper.
+    #[error("{}: nothing tells its scale: add --scale 1:100, or --scale-points X1,Y1,X2,Y2,METRES", path.display())]
+    Scale {
+        /// The drawing.
+        path: PathBuf,
+    },
     /// No layer of a drawing shows walls.
-    #[error("{}: no layer shows walls; --layers-wall says which do, of: {}", path.display(), layers.join(", "))]
+    #[error("{}: no layer shows walls; --layers-wall says which do, of: {}", path.display(), listed(layers))]
     NoWallLayer {
         /// The drawing.
         path: PathBuf,
@@ -111,4 +117,9 @@ pub enum PlanImportError {
         /// The accepted values.
         wanted: &'static str,
     },
+}
+
+/// Names in one line.
+fn listed(names: &[String]) -> String {
+    if names.is_empty() { "none, as nothing is drawn".into() } else { names.join(", ") }
 }

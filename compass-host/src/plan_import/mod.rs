@@ -5,16 +5,14 @@
 //! `classify` classifies pixels, `vector` draws lines; this module checks everything else.
 
 mod bits;
-#[cfg(any(feature = "cad", feature = "drawings"))]
 mod cavity;
 mod classify;
-#[cfg(any(feature = "cad", feature = "drawings"))]
 mod clusters;
+mod drawing_file;
 mod error;
 mod ink;
 mod layers;
 mod note;
-#[cfg(any(feature = "cad", feature = "drawings"))]
 mod paint;
 mod raster;
 mod ros_map;
@@ -22,7 +20,6 @@ pub mod structure;
 mod summary;
 pub mod survey;
 mod turned;
-#[cfg(any(feature = "cad", feature = "drawings"))]
 mod vector;
 
 pub use crate::drawing::unit::{NAMED_UNITS, Unit, UnitSource};
@@ -37,6 +34,7 @@ use std::path::{Path, PathBuf};
 use crate::image_file::{self, Pixels};
 use crate::interior::Places;
 use classify::Masks;
+use drawing_file::DrawingFormat;
 use ink::{Ink, Tone};
 use structure::{Bearing, StructureError, keep_structure_inside};
 
@@ -55,12 +53,14 @@ pub const DEFAULT_RED_EXCESS: u8 = 60;
 /// The location of a plan and how to read it.
 #[derive(Debug, Clone)]
 pub struct PlanOptions {
-    /// An image, a ROS `map_server` description ending in `.yaml` or `.yml`, or a drawing ending in `.dxf` or `.dwg`.
+    /// An image, a ROS `map_server` description ending in `.yaml` or `.yml`, or a drawing ending in `.dxf`, `.dwg`, `.svg` or `.pdf`.
     pub plan: PathBuf,
     /// An image of the same size with the walls alone; glazing is what the plan has beyond it.
     pub walls: Option<PathBuf>,
     /// Metres per pixel; `None`: the map description's, or [`DEFAULT_RESOLUTION_M`].
     pub resolution_m: Option<f64>,
+    /// Metres per pixel of an image or per unit of a drawing, measured between two points of it.
+    pub scale_points_m: Option<f64>,
     /// Map position in metres of the outer corner of the bottom-left pixel; `None`: the map
     /// description's, or (0, 0).
     pub origin: Option<[f64; 2]>,
@@ -86,6 +86,7 @@ impl PlanOptions {
             plan: plan.into(),
             walls: None,
             resolution_m: None,
+            scale_points_m: None,
             origin: None,
             dark_below: DEFAULT_DARK_BELOW,
             red_excess: DEFAULT_RED_EXCESS,
@@ -153,7 +154,7 @@ impl Imported {
 /// # Errors
 /// As [`load`].
 pub fn import(options: &PlanOptions) -> Result<Imported, PlanImportError> {
-    match drawing_format(&options.plan) {
+    match DrawingFormat::of(&options.plan) {
         Some(format) => import_drawing(options, format),
         None => load_image(options).map(|(plan, notes)| Imported::image(plan, notes)),
     }
@@ -229,7 +230,7 @@ impl Source {
         if !is_yaml(&options.plan) {
             return Ok(Self {
                 image: options.plan.clone(),
-                resolution_m: options.resolution_m.unwrap_or(DEFAULT_RESOLUTION_M),
+                resolution_m: options.resolution_m.or(options.scale_points_m).unwrap_or(DEFAULT_RESOLUTION_M),
                 origin: options.origin.unwrap_or_default(),
                 yaw: 0.0,
                 ink: plain,
@@ -248,7 +249,7 @@ impl Source {
             taken: map.image.clone(),
         });
         Ok(Self {
-            resolution_m: options.resolution_m.unwrap_or(map.resolution_m),
+            resolution_m: options.resolution_m.or(options.scale_points_m).unwrap_or(map.resolution_m),
             origin: options.origin.unwrap_or(map.origin),
             yaw: map.yaw,
             ink: Ink { tone, mean: true, dark_below: map.dark_below(), ..plain },
@@ -260,7 +261,8 @@ impl Source {
 
 /// A note on the map description that names the image, where it lies beside it and nothing else tells the resolution.
 fn description_beside(options: &PlanOptions) -> Option<PlanNote> {
-    let taken_m = options.resolution_m.is_none().then_some(DEFAULT_RESOLUTION_M)?;
+    let taken_m =
+        options.resolution_m.or(options.scale_points_m).is_none().then_some(DEFAULT_RESOLUTION_M)?;
     let candidates = ["yaml", "yml"].map(|end| options.plan.with_extension(end));
     let found = candidates.into_iter().find_map(|path| ros_map::read(&path).ok().map(|map| (path, map)));
     let (description, map) = found?;
@@ -272,32 +274,7 @@ fn description_beside(options: &PlanOptions) -> Option<PlanNote> {
     })
 }
 
-/// The format of a vector drawing by its file's name.
-#[derive(Debug, Clone, Copy)]
-enum DrawingFormat {
-    Dxf,
-    Dwg,
-}
-
-impl DrawingFormat {
-    const fn name(self) -> &'static str {
-        match self {
-            Self::Dxf => "DXF",
-            Self::Dwg => "DWG",
-        }
-    }
-}
-
-fn drawing_format(path: &Path) -> Option<DrawingFormat> {
-    let end = path.extension()?.to_str()?.to_ascii_lowercase();
-    match end.as_str() {
-        "dxf" => Some(DrawingFormat::Dxf),
-        "dwg" => Some(DrawingFormat::Dwg),
-        _ => None,
-    }
-}
-
-#[cfg(feature = "cad")]
+/// A plan from a vector drawing.
 fn import_drawing(options: &PlanOptions, format: DrawingFormat) -> Result<Imported, PlanImportError> {
     let path = &options.plan;
     std::fs::metadata(path).map_err(|source| PlanImportError::Read { path: path.clone(), source })?;
@@ -305,21 +282,17 @@ fn import_drawing(options: &PlanOptions, format: DrawingFormat) -> Result<Import
         check_resolution(path, resolution_m)?;
     }
     check_origin(path, options.origin.unwrap_or_default())?;
-    let told = options.drawing.unit_m.map(|metres| Unit { metres, source: UnitSource::Told });
-    let drawing = crate::drawing::cad::read(path, told).map_err(|error| PlanImportError::Drawing {
-        path: path.clone(),
-        format: format.name(),
-        reason: error.to_string(),
-    })?;
+    let told = drawing_file::Told {
+        unit_m: options.scale_points_m.or(options.drawing.unit_m),
+        resolution_m: options.resolution_m,
+    };
+    let opened = drawing_file::open(path, format, &options.drawing, &told)?;
     let ink = Source::plain_ink(options);
-    let vector::Vector { plan, bearing, layers, notes, left_out, doors } =
-        vector::import(path, drawing, &options.drawing, &ink, options.resolution_m, options.origin)?;
+    let mut vector =
+        vector::import(path, opened.drawing, &options.drawing, &ink, opened.resolution_m, options.origin)?;
+    vector.notes.extend(opened.note);
+    let vector::Vector { plan, bearing, layers, notes, left_out, doors } = vector;
     Ok(Imported { plan, layers, notes, left_out: Some(left_out), doors, bearing })
-}
-
-#[cfg(not(feature = "cad"))]
-fn import_drawing(options: &PlanOptions, format: DrawingFormat) -> Result<Imported, PlanImportError> {
-    Err(PlanImportError::Feature { path: options.plan.clone(), format: format.name(), feature: "cad" })
 }
 
 fn is_yaml(path: &Path) -> bool {

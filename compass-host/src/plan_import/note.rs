@@ -80,6 +80,13 @@ pub enum PlanNote {
         /// The longer side of what is drawn, in metres.
         side_m: f64,
     },
+    /// Nothing tells the scale of a drawing.
+    Scale {
+        /// The drawing.
+        path: PathBuf,
+        /// Metres that a unit counts as.
+        unit_m: f64,
+    },
     /// Model space holds drawings apart from each other.
     SeveralDrawings {
         /// The drawing file.
@@ -176,6 +183,12 @@ impl fmt::Display for PlanNote {
                     path.display()
                 )
             }
+            Self::Scale { path, unit_m } => write!(
+                f,
+                "{}: nothing tells its scale: a unit counts as {unit_m} m, as a pixel of a picture does; \
+                 --scale 1:100, --unit or --scale-points say another",
+                path.display()
+            ),
             Self::SeveralDrawings { path, extents_m, left_out } => {
                 let extents: Vec<String> = extents_m
                     .iter()

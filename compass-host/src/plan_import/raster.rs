@@ -80,6 +80,14 @@ impl PlanRaster {
         put(&mut self.windows, &mut self.walls, at);
     }
 
+    /// Makes pixel (x, y) neither wall nor glazing; outside the plan nothing happens.
+    pub(super) fn set_free(&mut self, x: u32, y: u32) {
+        if let Some((at, bit)) = self.bit(x, y) {
+            self.walls[at] &= !bit;
+            self.windows[at] &= !bit;
+        }
+    }
+
     /// Makes the glazing of `other`, a plan of the same size, glazing here, over walls.
     pub(super) fn glaze(&mut self, other: &Self) {
         let here = self.walls.iter_mut().zip(&mut self.windows);

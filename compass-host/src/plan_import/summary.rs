@@ -3,12 +3,22 @@
 use super::layers::{LayerRole, LayerRoles};
 
 /// How vector drawings are read; rasters need none of it.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct DrawingOptions {
     /// Which layer is what.
     pub layers: LayerRoles,
     /// Metres of one unit of the drawing, in place of what the file says.
     pub unit_m: Option<f64>,
+    /// How many times smaller than the building a drawing on paper (SVG, PDF) is: 100 of 1:100.
+    pub scale: Option<f64>,
+    /// The page of a PDF; the first is 1.
+    pub page: usize,
+}
+
+impl Default for DrawingOptions {
+    fn default() -> Self {
+        Self { layers: LayerRoles::default(), unit_m: None, scale: None, page: 1 }
+    }
 }
 
 /// What was understood of a layer.

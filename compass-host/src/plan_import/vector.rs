@@ -11,7 +11,7 @@ use super::raster::PlanRaster;
 use super::structure::Bearing;
 use super::summary::{DrawingOptions, LayerSummary};
 use crate::drawing::unit::{Unit, UnitSource};
-use crate::drawing::{Drawing, Layer, Shape};
+use crate::drawing::{Drawing, Layer, Paint, Shape};
 use std::path::Path;
 
 /// Free margin around a drawing in metres: wider than any cavity.
@@ -46,7 +46,7 @@ pub(super) fn import(
     origin: Option<[f64; 2]>,
 ) -> Result<Vector, PlanImportError> {
     let mut notes = Vec::new();
-    let (roles, unknown) = roles(path, &drawing, &options.layers, ink)?;
+    let Roles { roles, unknown, by_colour } = roles(path, &drawing, &options.layers, ink)?;
     settle_unit(path, &mut drawing, &roles, &mut notes);
     if !unknown.is_empty() {
         let layers = unknown.iter().map(|&at| unknown_layer(&drawing, at)).collect();
@@ -85,7 +85,15 @@ pub(super) fn import(
         cavity::fill(&mut raster);
         raster
     };
-    let plan = solid(LayerRole::is_wall);
+    // Where colours tell, paper drawn over a wall makes it free: the order counts. Furniture has the colour of walls
+    // there, so that narrow places between lines are no sign of a wall.
+    let plan = if by_colour {
+        let mut raster = frame.empty();
+        paint::in_order(&mut raster, &frame, drawing.shapes.iter(), |layer| roles[layer]);
+        raster
+    } else {
+        solid(LayerRole::is_wall)
+    };
     let has = |wanted: LayerRole| roles.iter().any(|role| *role == Some(wanted));
     let bearing = (has(LayerRole::Structure) || has(LayerRole::Partition)).then(|| Bearing {
         certain: has(LayerRole::Structure).then(|| solid(|role| role == LayerRole::Structure)),
@@ -98,31 +106,52 @@ pub(super) fn import(
         doors
     });
     let mut left_out = frame.empty();
-    let is_left_out = |shape: &&Shape| !part_of_plan(shape) && !is_door(shape);
-    paint::walls(&mut left_out, &frame, drawing.shapes.iter().filter(is_left_out));
-    let layers = drawing.layers.iter().zip(&roles).map(|(layer, role)| LayerSummary {
-        name: layer.name.clone(),
-        entities: layer.entities,
-        hidden: layer.hidden,
-        annotations: layer.annotations,
-        role: *role,
-    });
-    let layers = layers.collect();
+    // Outlines alone: floors are often filled.
+    let others = drawing.shapes.iter().filter(|shape| !part_of_plan(shape) && !is_door(shape));
+    let outlines: Vec<Shape> =
+        others.map(|shape| Shape { paint: Paint::Stroke(0.0), ..shape.clone() }).collect();
+    paint::walls(&mut left_out, &frame, outlines.iter());
+    let layers = summary(&drawing, &roles);
     Ok(Vector { plan, bearing, layers, notes, left_out, doors })
 }
 
-/// The role of each layer, and the layers with something drawn that nothing tells. They are walls where no other layer
-/// is, and left out else.
-fn roles(
-    path: &Path,
-    drawing: &Drawing,
-    told: &LayerRoles,
-    ink: &Ink,
-) -> Result<(Vec<Option<LayerRole>>, Vec<usize>), PlanImportError> {
+/// The layers by name and role: those of one name differ in colour.
+fn summary(drawing: &Drawing, roles: &[Option<LayerRole>]) -> Vec<LayerSummary> {
+    let mut layers: Vec<LayerSummary> = Vec::new();
+    for (layer, &role) in drawing.layers.iter().zip(roles) {
+        let Layer { name, entities, hidden, annotations, .. } = layer.clone();
+        match layers.iter_mut().find(|known| known.name == name && known.role == role) {
+            Some(known) => {
+                known.entities += entities;
+                known.hidden += hidden;
+                known.annotations += annotations;
+            }
+            None => layers.push(LayerSummary { name, entities, hidden, annotations, role }),
+        }
+    }
+    layers
+}
+
+/// What the layers are.
+struct Roles {
+    roles: Vec<Option<LayerRole>>,
+    /// Layers with something drawn that nothing tells.
+    unknown: Vec<usize>,
+    /// Whether colours told, as no name did.
+    by_colour: bool,
+}
+
+/// The role of each layer. Layers that nothing tells are walls where no other layer is, and left out else.
+fn roles(path: &Path, drawing: &Drawing, told: &LayerRoles, ink: &Ink) -> Result<Roles, PlanImportError> {
     let layers = || drawing.layers.iter();
-    let by_colour = |layer: &Layer| layer.colour.and_then(|colour| role_of(ink.judge(colour)));
-    let mut roles: Vec<Option<LayerRole>> =
-        layers().map(|layer| told.of(&layer.name).or_else(|| by_colour(layer))).collect();
+    let mut roles: Vec<Option<LayerRole>> = layers().map(|layer| told.of(&layer.name)).collect();
+    let by_colour =
+        !roles.iter().flatten().any(|role| role.is_wall()) && layers().any(|layer| layer.colour.is_some());
+    if by_colour {
+        // No name says wall: colours tell, as in a picture.
+        let of_colour = |layer: &Layer| layer.colour.map(|colour| role_of(ink.judge(colour)));
+        roles.iter_mut().zip(layers()).for_each(|(role, layer)| *role = role.or_else(|| of_colour(layer)));
+    }
     let drawn = |at: &usize| drawing.layers[*at].entities > 0;
     let unknown: Vec<usize> = (0..roles.len()).filter(|at| roles[*at].is_none() && drawn(at)).collect();
     if !(0..roles.len()).any(|at| drawn(&at) && roles[at].is_some_and(LayerRole::is_wall)) {
@@ -132,15 +161,15 @@ fn roles(
         }
         unknown.iter().for_each(|&at| roles[at] = Some(LayerRole::Wall));
     }
-    Ok((roles, unknown))
+    Ok(Roles { roles, unknown, by_colour })
 }
 
 /// What a pixel of the layer's colour would be.
-const fn role_of(class: u8) -> Option<LayerRole> {
+const fn role_of(class: u8) -> LayerRole {
     match class {
-        ink::WALL => Some(LayerRole::Wall),
-        ink::WINDOW => Some(LayerRole::Glazing),
-        _ => Some(LayerRole::Ignored),
+        ink::WALL | ink::DOUBTFUL_WALL => LayerRole::Wall,
+        ink::WINDOW | ink::FAINT_DARK | ink::FAINT_LIGHT => LayerRole::Glazing,
+        _ => LayerRole::Ignored,
     }
 }
 

@@ -10,6 +10,7 @@ mod walk;
 use super::unit::Unit;
 use super::{Drawing, DrawingError};
 use acadrust::{CadDocument, DwgReadOptions, DwgReader, DxfReader};
+use std::io::Read as _;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use walk::Walk;
@@ -34,12 +35,25 @@ pub(crate) fn read(path: &Path, told: Option<Unit>) -> Result<Drawing, DrawingEr
 fn parse(path: &Path) -> Result<CadDocument, DrawingError> {
     let is_dwg = path.extension().is_some_and(|end| end.eq_ignore_ascii_case("dwg"));
     let document = if is_dwg {
+        check_magic(path)?;
         let options = DwgReadOptions::failsafe().with_max_decompressed_bytes(MAX_UNPACKED_BYTES);
         DwgReader::from_file_with_options(path, options).and_then(|mut reader| reader.read())
     } else {
         DxfReader::from_file(path).and_then(DxfReader::read)
     };
     document.map_err(|error| DrawingError::Syntax(error.to_string()))
+}
+
+/// Whether a file begins as every DWG does, with `AC` and its version: the reader makes an empty drawing of any other.
+fn check_magic(path: &Path) -> Result<(), DrawingError> {
+    let syntax = |reason: String| DrawingError::Syntax(reason);
+    let mut magic = [0; 4];
+    let mut file = std::fs::File::open(path).map_err(|error| syntax(error.to_string()))?;
+    let read = file.read_exact(&mut magic);
+    if read.is_ok() && (magic.starts_with(b"AC1") || magic == *b"MC0." || magic.starts_with(b"AC2")) {
+        return Ok(());
+    }
+    Err(syntax("it does not begin with the version of a DWG, such as AC1032".into()))
 }
 
 #[cfg(test)]
