@@ -46,6 +46,9 @@ pub(super) struct Reading {
     /// The drawing is light on dark (of a ROS map: the opposite of its negate)
     #[arg(long)]
     invert: bool,
+    /// Remove from a picture strokes thinner than M metres: text, dimension lines, door arcs, furniture, hatching
+    #[arg(long, value_name = "M", value_parser = finite, allow_hyphen_values = true)]
+    min_thickness: Option<f64>,
     /// Keep only walls at least M metres thick and the glazing of the facade [default without a value: 0.25]
     #[arg(long, value_name = "M", num_args = 0..=1, default_missing_value = "0.25", value_parser = finite)]
     structure: Option<f64>,
@@ -65,6 +68,7 @@ impl Reading {
         options.glazing = self.glazing_color;
         options.door = self.door_color;
         options.invert = self.invert;
+        options.min_thickness_m = self.min_thickness;
         let (mut raster, notes) = plan_import::load_with_notes(&options)?;
         notes.iter().for_each(|text| note(&text.to_string()));
         if let Some(thickness_m) = self.structure {

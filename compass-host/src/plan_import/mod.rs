@@ -4,10 +4,14 @@
 //! the plan has beyond the walls), or a ROS `map_server` description (`.yaml`). `classify` classifies the pixels; this
 //! module checks everything else.
 
+mod bits;
+mod cavities;
 mod classify;
+mod clean;
 mod error;
 mod ink;
 mod note;
+mod pieces;
 mod raster;
 mod ros_map;
 pub mod structure;
@@ -57,6 +61,9 @@ pub struct PlanOptions {
     pub door: Option<[u8; 3]>,
     /// Whether the drawing is light on dark. With a map description: the opposite of what that says.
     pub invert: bool,
+    /// Thickness in metres of the thinnest strokes that are walls: thinner ones are removed, such as text, dimension lines
+    /// and door arcs. At least 1.5 pixels, at most 2 m; `None`: all that is dark is wall.
+    pub min_thickness_m: Option<f64>,
 }
 
 impl PlanOptions {
@@ -73,6 +80,7 @@ impl PlanOptions {
             glazing: None,
             door: None,
             invert: false,
+            min_thickness_m: None,
         }
     }
 }
@@ -82,7 +90,7 @@ impl PlanOptions {
 /// # Errors
 /// [`PlanImportError`]: a file that is missing, not an image or truncated; a plan of one colour or without walls; a
 /// pair of two sizes; a map description with missing or rejected fields; a resolution outside [`RESOLUTION_RANGE_M`]
-/// or an origin that is not finite.
+/// or an origin that is not finite; a least thickness out of its range, or one that no stroke of the plan has.
 pub fn load(options: &PlanOptions) -> Result<PlanRaster, PlanImportError> {
     load_with_notes(options).map(|(plan, _)| plan)
 }
@@ -97,7 +105,7 @@ pub fn load_with_notes(options: &PlanOptions) -> Result<(PlanRaster, Vec<PlanNot
     check_resolution(&options.plan, resolution_m)?;
     check_origin(&options.plan, origin)?;
     let plan = image_file::read(&image)?;
-    let masks = match &options.walls {
+    let mut masks = match &options.walls {
         None => classify::one_image(&plan, &ink),
         Some(path) => {
             let walls = image_file::read(path)?;
@@ -118,6 +126,10 @@ pub fn load_with_notes(options: &PlanOptions) -> Result<(PlanRaster, Vec<PlanNot
     if !is_yaml(&options.plan) && options.walls.is_none() {
         notes.extend(note::mostly_dark(&image, 100 * wall_pixels / pixels));
         notes.extend(note::coloured(&image, &plan, &ink));
+    }
+    if let Some(thickness_m) = options.min_thickness_m {
+        let size = [plan.width, plan.height];
+        notes.push(only_thick(&options.plan, &mut masks, size, thickness_m, resolution_m)?);
     }
     let Masks { walls, windows } = masks;
     let raster = PlanRaster { width: plan.width, height: plan.height, walls, windows, resolution_m, origin };
@@ -196,6 +208,30 @@ fn description_beside(options: &PlanOptions) -> Option<PlanNote> {
         resolution_m: map.resolution_m,
         taken_m,
     })
+}
+
+/// Removes strokes that are too thin for walls; a note on how much that was.
+fn only_thick(
+    path: &Path,
+    masks: &mut Masks,
+    size: [u32; 2],
+    thickness_m: f64,
+    resolution_m: f64,
+) -> Result<PlanNote, PlanImportError> {
+    let Some(side) = clean::square(thickness_m, resolution_m) else {
+        return Err(PlanImportError::Value {
+            path: path.to_path_buf(),
+            field: "least thickness",
+            value: thickness_m.to_string(),
+            wanted: "metres from 1.5 pixels to 2 m are accepted",
+        });
+    };
+    let clean::Cleaned { percent, pieces, cavities } = clean::clean(masks, size, side, resolution_m);
+    let path = path.to_path_buf();
+    if masks.wall_pixels() == 0 {
+        return Err(PlanImportError::NoThickWalls { path, thickness_m });
+    }
+    Ok(PlanNote::Cleaned { path, thickness_m, percent, pieces, cavities })
 }
 
 fn is_yaml(path: &Path) -> bool {

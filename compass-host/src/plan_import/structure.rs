@@ -8,6 +8,7 @@
 //! word and log2 of the side steps each, and the interior of the plan.
 
 use super::PlanRaster;
+use super::bits::Bits;
 use crate::interior::{self, InteriorError, InteriorOptions, Places};
 use compass_core::base::raster::BitMask;
 use thiserror::Error;
@@ -81,116 +82,9 @@ fn keep_pixels(raster: &mut PlanRaster, keep: impl Fn(u32, u32) -> bool) {
     }
 }
 
-/// A mask, 64 pixels in a word, rows padded to whole words with clear bits.
-struct Bits {
-    words: usize,
-    row_bytes: usize,
-    last: u64,
-    bits: Vec<u64>,
-}
-
-impl Bits {
-    fn new(bytes: &[u8], width: u32, height: u32) -> Self {
-        let row_bytes = BitMask::row_bytes(width);
-        let words = row_bytes.div_ceil(8);
-        let mut bits = Vec::with_capacity(words * height as usize);
-        for row in bytes.chunks_exact(row_bytes) {
-            let word = |bytes: &[u8]| bytes.iter().rev().fold(0, |word, &byte| word << 8 | u64::from(byte));
-            bits.extend(row.chunks(8).map(word));
-        }
-        let last = u64::MAX >> ((64 - width % 64) % 64);
-        Self { words, row_bytes, last, bits }
-    }
-
-    fn to_bytes(&self) -> Vec<u8> {
-        let row = |row: &[u64]| row.iter().flat_map(|word| word.to_le_bytes()).take(self.row_bytes).collect();
-        self.bits.chunks_exact(self.words).flat_map(|words| -> Vec<u8> { row(words) }).collect()
-    }
-
-    /// Keeps the pixels that some square of `side` pixels covers without leaving the mask.
-    fn open(&mut self, side: usize) {
-        let (words, last) = (self.words, self.last);
-        // Erosion: the lower left pixels of the squares that fit.
-        for row in self.bits.chunks_exact_mut(words) {
-            // Padding bits must stay clear.
-            row[words - 1] &= last;
-            doubling(side, |by| (0..words).for_each(|at| row[at] &= from_right(row, at, by)));
-        }
-        doubling(side, |by| {
-            let kept = self.bits.len().saturating_sub(by * words);
-            (0..kept).for_each(|at| self.bits[at] &= self.bits[at + by * words]);
-            self.bits[kept..].fill(0);
-        });
-        // Dilation: all pixels of those squares.
-        for row in self.bits.chunks_exact_mut(words) {
-            doubling(side, |by| (0..words).rev().for_each(|at| row[at] |= from_left(row, at, by)));
-        }
-        doubling(side, |by| {
-            (by * words..self.bits.len()).rev().for_each(|at| self.bits[at] |= self.bits[at - by * words]);
-        });
-    }
-}
-
-/// Calls `step` with shifts that extend a run of 1 to a run of `side`.
-fn doubling(side: usize, mut step: impl FnMut(usize)) {
-    let mut have = 1;
-    while have < side {
-        let by = have.min(side - have);
-        step(by);
-        have += by;
-    }
-}
-
-/// The word whose bit `x` is bit `x + by` of the row.
-fn from_right(row: &[u64], at: usize, by: usize) -> u64 {
-    let word = |at: usize| row.get(at).copied().unwrap_or(0);
-    let (whole, part) = (at + by / 64, by % 64);
-    if part == 0 { word(whole) } else { word(whole) >> part | word(whole + 1) << (64 - part) }
-}
-
-/// The word whose bit `x` is bit `x - by` of the row.
-fn from_left(row: &[u64], at: usize, by: usize) -> u64 {
-    let word = |back: usize| at.checked_sub(back).map_or(0, |at| row[at]);
-    let (whole, part) = (by / 64, by % 64);
-    if part == 0 { word(whole) } else { word(whole) << part | word(whole + 1) >> (64 - part) }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use proptest::prelude::*;
-
-    /// The opening by its definition.
-    fn opened(raster: &PlanRaster, side: u32) -> Vec<(u32, u32)> {
-        let mut kept = std::collections::BTreeSet::new();
-        for (x, y) in (0..raster.height).flat_map(|y| (0..raster.width).map(move |x| (x, y))) {
-            let square = || (0..side * side).map(move |n| (x + n % side, y + n / side));
-            if square().all(|(x, y)| raster.is_wall(x, y)) {
-                kept.extend(square());
-            }
-        }
-        kept.into_iter().collect()
-    }
-
-    proptest! {
-        #[test]
-        fn opening_is_that_of_its_definition(
-            width in 1_u32..200, height in 1_u32..40, side in 1_usize..7,
-            blocks in proptest::collection::vec((0_u32..200, 0_u32..40, 1_u32..90, 1_u32..12), 1..9),
-        ) {
-            let mut raster = PlanRaster::empty(width, height, 0.1, [0.0; 2]);
-            for (x, y, w, h) in blocks {
-                (0..w * h).for_each(|n| raster.set_wall(x + n % w, y + n / w));
-            }
-            let mut bits = Bits::new(&raster.walls, width, height);
-            bits.open(side);
-            let kept = PlanRaster { walls: bits.to_bytes(), ..raster.clone() };
-            prop_assert_eq!(kept.walls.len(), raster.walls.len());
-            let mut pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-            let expected = opened(&raster, side as u32);
-            prop_assert!(pixels.all(|(x, y)| kept.is_wall(x, y) == expected.contains(&(x, y))));
-        }
-    }
 
     /// A room of 10 m x 8 m at 0.1 m a pixel with outer walls of 0.3 m, a partition of 0.1 m, and glazing in both.
     fn shell() -> PlanRaster {
