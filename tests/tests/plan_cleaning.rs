@@ -69,7 +69,7 @@ fn text_and_lines_leave_the_ranges_alone() {
     assert!(worst <= 0.1, "{worst} m");
     let said = folder.run(&format!("{DESCRIBE} --min-thickness 0.1")).stderr;
     let named = "note: plan.png: strokes thinner than 0.1 m removed: ";
-    assert!(said.contains(named) && said.contains(" % of the wall pixels, in "), "{said}");
+    assert!(said.contains(named) && said.contains(" % of the wall pixels (pieces: "), "{said}");
 }
 
 #[test]

@@ -98,8 +98,8 @@ impl fmt::Display for PlanNote {
             ),
             Self::Cleaned { path, thickness_m, percent, pieces, cavities } => write!(
                 f,
-                "{}: strokes thinner than {thickness_m} m removed: {percent} % of the wall pixels, in {pieces} pieces; \
-                 {cavities} cavities between two lines filled",
+                "{}: strokes thinner than {thickness_m} m removed: {percent} % of the wall pixels (pieces: {pieces}); \
+                 cavities between two lines filled: {cavities}",
                 path.display()
             ),
         }
