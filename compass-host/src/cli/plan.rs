@@ -46,6 +46,9 @@ pub(super) struct Reading {
     /// The drawing is light on dark (of a ROS map: the opposite of its negate)
     #[arg(long)]
     invert: bool,
+    /// Remove from a picture strokes thinner than M metres: text, dimension lines, door arcs, furniture, hatching
+    #[arg(long, value_name = "M", value_parser = finite, allow_hyphen_values = true)]
+    min_thickness: Option<f64>,
     #[command(flatten)]
     drawing: Layers,
     /// Keep only the structure: what layers of a drawing call so, and walls at least M metres thick, with the glazing
@@ -125,6 +128,7 @@ impl Reading {
         options.glazing = self.glazing_color;
         options.door = self.door_color;
         options.invert = self.invert;
+        options.min_thickness_m = self.min_thickness;
         options.drawing = self.drawing.options();
         let mut imported = plan_import::import(&options)?;
         imported.notes.iter().for_each(|text| note(&text.to_string()));

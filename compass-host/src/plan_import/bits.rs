@@ -1,41 +1,126 @@
-//! Masks of a plan, 64 pixels at a time.
+//! Masks of a plan, 64 pixels in a word: set operations, opening by a square, growth within a mask.
 
 use super::raster::PlanRaster;
 use compass_core::base::raster::BitMask;
 
 /// A mask, 64 pixels in a word, rows padded to whole words with clear bits.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Bits {
+    pub(super) width: u32,
+    pub(super) height: u32,
     words: usize,
-    row_bytes: usize,
+    /// The bits of a row's last word that are pixels.
     last: u64,
     bits: Vec<u64>,
 }
 
 impl Bits {
-    pub(super) fn new(bytes: &[u8], width: u32, height: u32) -> Self {
-        let row_bytes = BitMask::row_bytes(width);
-        let words = row_bytes.div_ceil(8);
-        let mut bits = Vec::with_capacity(words * height as usize);
-        for row in bytes.chunks_exact(row_bytes) {
-            let word = |bytes: &[u8]| bytes.iter().rev().fold(0, |word, &byte| word << 8 | u64::from(byte));
-            bits.extend(row.chunks(8).map(word));
-        }
+    /// A mask without a set pixel.
+    pub(super) fn empty(width: u32, height: u32) -> Self {
+        let words = width.div_ceil(64) as usize;
         let last = u64::MAX >> ((64 - width % 64) % 64);
-        Self { words, row_bytes, last, bits }
+        Self { width, height, words, last, bits: vec![0; words * height as usize] }
+    }
+
+    /// A mask from rows of whole bytes, least significant bit first.
+    pub(super) fn new(bytes: &[u8], width: u32, height: u32) -> Self {
+        let mut mask = Self::empty(width, height);
+        let rows = bytes.chunks_exact(BitMask::row_bytes(width));
+        for (row, bytes) in mask.bits.chunks_exact_mut(mask.words).zip(rows) {
+            for (word, bytes) in row.iter_mut().zip(bytes.chunks(8)) {
+                *word = bytes.iter().rev().fold(0, |word, &byte| word << 8 | u64::from(byte));
+            }
+            row[mask.words - 1] &= mask.last;
+        }
+        mask
+    }
+
+    /// The mask as rows of whole bytes.
+    pub(super) fn to_bytes(&self) -> Vec<u8> {
+        let row_bytes = BitMask::row_bytes(self.width);
+        let row = |row: &[u64]| row.iter().flat_map(|word| word.to_le_bytes()).take(row_bytes).collect();
+        self.bits.chunks_exact(self.words).flat_map(|words| -> Vec<u8> { row(words) }).collect()
+    }
+
+    /// Whether a pixel is set; outside the mask it is not.
+    pub(super) fn get(&self, x: u32, y: u32) -> bool {
+        let word = || self.bits[y as usize * self.words + x as usize / 64];
+        x < self.width && y < self.height && word() >> (x % 64) & 1 == 1
+    }
+
+    /// Sets the pixels `from..to` of a row.
+    pub(super) fn set_run(&mut self, y: u32, from: u32, to: u32) {
+        let row = y as usize * self.words;
+        (from..to).for_each(|x| self.bits[row + x as usize / 64] |= 1 << (x % 64));
+    }
+
+    /// The runs of set pixels of a row, `[from, to)` from left to right.
+    pub(super) fn runs(&self, y: u32) -> Vec<[u32; 2]> {
+        let words = &self.bits[y as usize * self.words..][..self.words];
+        let mut runs: Vec<[u32; 2]> = Vec::new();
+        for (start, &word) in (0..).step_by(64).zip(words) {
+            let mut rest = word;
+            while rest != 0 {
+                let from = rest.trailing_zeros();
+                let length = (!(rest >> from)).trailing_zeros();
+                rest &= u64::MAX.checked_shl(from + length).unwrap_or(0);
+                let run = [start + from, start + from + length];
+                match runs.last_mut().filter(|last| last[1] == run[0]) {
+                    Some(last) => last[1] = run[1],
+                    None => runs.push(run),
+                }
+            }
+        }
+        runs
+    }
+
+    /// How many pixels are set.
+    pub(super) fn count(&self) -> u64 {
+        self.bits.iter().map(|word| u64::from(word.count_ones())).sum()
+    }
+
+    /// The pixels of either mask.
+    pub(super) fn or(&self, other: &Self) -> Self {
+        self.with(other, |a, b| a | b)
+    }
+
+    /// The pixels of this mask that are not in the other.
+    pub(super) fn without(&self, other: &Self) -> Self {
+        self.with(other, |a, b| a & !b)
+    }
+
+    /// The pixels that are not set.
+    pub(super) fn inverted(&self) -> Self {
+        let mut all = Self { bits: vec![u64::MAX; self.bits.len()], ..*self };
+        all.bits.chunks_exact_mut(self.words).for_each(|row| row[self.words - 1] &= self.last);
+        all.without(self)
+    }
+
+    fn with(&self, other: &Self, join: impl Fn(u64, u64) -> u64) -> Self {
+        let bits = self.bits.iter().zip(&other.bits).map(|(&a, &b)| join(a, b)).collect();
+        Self { bits, ..*self }
+    }
+
+    /// Adds the pixels of `mask` within `steps` king's moves inside it.
+    pub(super) fn grow_within(&mut self, mask: &Self, steps: usize) {
+        let words = self.words;
+        for _ in 0..steps {
+            let beside = |row: &[u64], at: usize| row[at] | from_right(row, at, 1) | from_left(row, at, 1);
+            let rows = self.bits.chunks_exact(words);
+            let wide: Vec<u64> = rows.flat_map(|row| (0..words).map(move |at| beside(row, at))).collect();
+            for (at, word) in self.bits.iter_mut().enumerate() {
+                let below = at.checked_sub(words).map_or(0, |at| wide[at]);
+                let above = wide.get(at + words).copied().unwrap_or(0);
+                *word |= (wide[at] | below | above) & mask.bits[at];
+            }
+        }
     }
 
     /// What is wall or glazing.
     pub(super) fn occupied(raster: &PlanRaster) -> Self {
-        let mut all = Self::new(&raster.walls, raster.width, raster.height);
-        let windows = Self::new(&raster.windows, raster.width, raster.height);
-        all.bits.iter_mut().zip(windows.bits).for_each(|(bits, windows)| *bits |= windows);
-        all
-    }
-
-    /// How many pixels are in.
-    pub(super) fn count(&self) -> u64 {
-        self.bits.iter().map(|bits| u64::from(bits.count_ones())).sum()
+        let [walls, windows] =
+            [&raster.walls, &raster.windows].map(|mask| Self::new(mask, raster.width, raster.height));
+        walls.or(&windows)
     }
 
     /// Sides of pixels between in and out.
@@ -51,44 +136,6 @@ impl Bits {
         let flat =
             flat.flat_map(|(row, below)| row.iter().zip(below)).map(|(a, b)| u64::from((a ^ b).count_ones()));
         upright.sum::<u64>() + right.sum::<u64>() + flat.sum::<u64>()
-    }
-
-    /// What is neither wall nor glazing.
-    pub(super) fn free(raster: &PlanRaster) -> Self {
-        let mut free = Self::occupied(raster);
-        let (words, last) = (free.words, free.last);
-        for (at, bits) in free.bits.iter_mut().enumerate() {
-            *bits = !*bits;
-            // Padding bits must stay clear.
-            if at % words == words - 1 {
-                *bits &= last;
-            }
-        }
-        free
-    }
-
-    /// Takes the pixels of `other`, a mask of the same size, out.
-    pub(super) fn clear(&mut self, other: &Self) {
-        self.bits.iter_mut().zip(&other.bits).for_each(|(bits, other)| *bits &= !other);
-    }
-
-    /// The first pixel from word `word` on, and its word.
-    pub(super) fn first_from(&self, word: usize) -> Option<(usize, (u32, u32))> {
-        let at = (word..self.bits.len()).find(|&at| self.bits[at] != 0)?;
-        let x = at % self.words * 64 + self.bits[at].trailing_zeros() as usize;
-        Some((at, (x as u32, (at / self.words) as u32)))
-    }
-
-    /// Whether a pixel of the mask's size is in.
-    pub(super) fn contains(&self, (x, y): (u32, u32)) -> bool {
-        self.bits[y as usize * self.words + x as usize / 64] >> (x % 64) & 1 == 1
-    }
-
-    /// Takes a pixel of the mask's size out; whether it was in.
-    pub(super) fn take(&mut self, (x, y): (u32, u32)) -> bool {
-        let was = self.contains((x, y));
-        self.bits[y as usize * self.words + x as usize / 64] &= !(1 << (x % 64));
-        was
     }
 
     /// Grows the mask within `free`, of the same size and a superset, over all that is connected along rows and columns.
@@ -132,18 +179,11 @@ impl Bits {
         changed
     }
 
-    pub(super) fn to_bytes(&self) -> Vec<u8> {
-        let row = |row: &[u64]| row.iter().flat_map(|word| word.to_le_bytes()).take(self.row_bytes).collect();
-        self.bits.chunks_exact(self.words).flat_map(|words| -> Vec<u8> { row(words) }).collect()
-    }
-
     /// Keeps the pixels that some square of `side` pixels covers without leaving the mask.
     pub(super) fn open(&mut self, side: usize) {
-        let (words, last) = (self.words, self.last);
+        let words = self.words;
         // Erosion: the lower left pixels of the squares that fit.
         for row in self.bits.chunks_exact_mut(words) {
-            // Padding bits must stay clear.
-            row[words - 1] &= last;
             doubling(side, |by| (0..words).for_each(|at| row[at] &= from_right(row, at, by)));
         }
         doubling(side, |by| {
@@ -194,6 +234,7 @@ const fn run_up(room: u64, seeds: u64) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::plan_import::PlanRaster;
     use proptest::prelude::*;
 
     /// The opening by its definition.
@@ -228,6 +269,42 @@ mod tests {
         }
     }
 
+    fn drawn(rows: &[&str]) -> Bits {
+        let mut bits = Bits::empty(rows[0].len() as u32, rows.len() as u32);
+        for (y, row) in (0..).zip(rows) {
+            (0..).zip(row.bytes()).filter(|(_, c)| *c == b'#').for_each(|(x, _)| bits.set_run(y, x, x + 1));
+        }
+        bits
+    }
+
+    proptest! {
+        #[test]
+        fn runs_and_bytes_keep_every_pixel(width in 1_u32..200, cuts in proptest::collection::vec(0_u32..200, 0..9)) {
+            let mut bits = Bits::empty(width, 2);
+            for cut in cuts.chunks(2) {
+                bits.set_run(1, cut[0].min(width), cut[0].saturating_add(cuts.len() as u32 * 9).min(width));
+            }
+            let mut again = Bits::empty(width, 2);
+            let runs = bits.runs(1);
+            prop_assert!(runs.windows(2).all(|pair| pair[0][1] < pair[1][0]) && bits.runs(0).is_empty());
+            runs.iter().for_each(|&[from, to]| again.set_run(1, from, to));
+            prop_assert_eq!(&again, &bits);
+            prop_assert_eq!(&Bits::new(&bits.to_bytes(), width, 2), &bits);
+            prop_assert_eq!(bits.inverted().count() + bits.count(), 2 * u64::from(width));
+            prop_assert_eq!(bits.inverted().inverted(), bits);
+        }
+    }
+
+    #[test]
+    fn growth_stays_within_the_mask() {
+        let mask = drawn(&["###.", "..#.", "..##", "#..."]);
+        let mut grown = drawn(&["#...", "....", "....", "...."]);
+        grown.grow_within(&mask, 2);
+        assert_eq!(grown, drawn(&["###.", "..#.", "....", "...."]));
+        grown.grow_within(&mask, 9);
+        assert_eq!(grown, drawn(&["###.", "..#.", "..##", "...."]));
+    }
+
     proptest! {
         #[test]
         fn a_flood_reaches_what_steps_reach(
@@ -238,13 +315,13 @@ mod tests {
             let mut raster = PlanRaster::empty(width, height, 0.1, [0.0; 2]);
             let pixels = || (0..height).flat_map(move |y| (0..width).map(move |x| (x, y)));
             pixels().filter(|&(x, y)| !is_free(x, y)).for_each(|(x, y)| raster.set_wall(x, y));
-            let room = Bits::free(&raster);
+            let room = Bits::occupied(&raster).inverted();
             let seed = pixels().nth(start.index((width * height) as usize)).unwrap();
-            let mut seen = Bits::new(&vec![0; raster.walls.len()], width, height);
+            let mut seen = Bits::empty(width, height);
             let mut wanted = std::collections::BTreeSet::new();
             let mut stack = Vec::new();
             if is_free(seed.0, seed.1) {
-                seen.bits[seed.1 as usize * seen.words + seed.0 as usize / 64] |= 1 << (seed.0 % 64);
+                seen.set_run(seed.1, seed.0, seed.0 + 1);
                 stack.push(seed);
             }
             while let Some((x, y)) = stack.pop() {
@@ -253,12 +330,7 @@ mod tests {
                 }
             }
             seen.flood(&room);
-            let mut reached = std::collections::BTreeSet::new();
-            let mut left = seen;
-            while let Some((_, at)) = left.first_from(0) {
-                prop_assert!(left.take(at) && !left.take(at));
-                reached.insert(at);
-            }
+            let reached: std::collections::BTreeSet<_> = pixels().filter(|&(x, y)| seen.get(x, y)).collect();
             prop_assert_eq!(reached, wanted);
         }
     }

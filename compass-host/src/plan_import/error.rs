@@ -97,6 +97,14 @@ pub enum PlanImportError {
         /// Its sides in metres.
         sides_m: [f64; 2],
     },
+    /// No stroke of the plan is as thick as asked.
+    #[error("{}: no walls: no stroke is {thickness_m} m thick", path.display())]
+    NoThickWalls {
+        /// The file.
+        path: PathBuf,
+        /// The least thickness of a wall, metres.
+        thickness_m: f64,
+    },
     /// A map description is not YAML, or lacks a field, or a field has the wrong type.
     #[error("{}: not a ROS map description: {reason}", path.display())]
     Yaml {

@@ -5,15 +5,18 @@
 //! `classify` classifies pixels, `vector` draws lines; this module checks everything else.
 
 mod bits;
-mod cavity;
+mod cavities;
 mod classify;
+mod clean;
 mod clusters;
 mod drawing_file;
 mod error;
 mod ink;
 mod layers;
+mod line_walls;
 mod note;
 mod paint;
+mod pieces;
 mod raster;
 mod ros_map;
 pub mod structure;
@@ -74,6 +77,9 @@ pub struct PlanOptions {
     pub door: Option<[u8; 3]>,
     /// Whether the drawing is light on dark. With a map description: the opposite of what that says.
     pub invert: bool,
+    /// Thickness in metres of the thinnest strokes that are walls: thinner ones are removed, such as text, dimension lines
+    /// and door arcs. At least 1.5 pixels, at most 2 m; `None`: all that is dark is wall.
+    pub min_thickness_m: Option<f64>,
     /// How a vector drawing is read.
     pub drawing: DrawingOptions,
 }
@@ -93,6 +99,7 @@ impl PlanOptions {
             glazing: None,
             door: None,
             invert: false,
+            min_thickness_m: None,
             drawing: DrawingOptions::default(),
         }
     }
@@ -103,7 +110,7 @@ impl PlanOptions {
 /// # Errors
 /// [`PlanImportError`]: a file that is missing, not an image or truncated; a plan of one colour or without walls; a
 /// pair of two sizes; a map description with missing or rejected fields; a resolution outside [`RESOLUTION_RANGE_M`]
-/// or an origin that is not finite.
+/// or an origin that is not finite; a least thickness out of its range, or one that no stroke of the plan has.
 pub fn load(options: &PlanOptions) -> Result<PlanRaster, PlanImportError> {
     import(options).map(|imported| imported.plan)
 }
@@ -167,7 +174,7 @@ fn load_image(options: &PlanOptions) -> Result<(PlanRaster, Vec<PlanNote>), Plan
     check_resolution(&options.plan, resolution_m)?;
     check_origin(&options.plan, origin)?;
     let plan = image_file::read(&image)?;
-    let masks = match &options.walls {
+    let mut masks = match &options.walls {
         None => classify::one_image(&plan, &ink),
         Some(path) => {
             let walls = image_file::read(path)?;
@@ -188,6 +195,10 @@ fn load_image(options: &PlanOptions) -> Result<(PlanRaster, Vec<PlanNote>), Plan
     if !is_yaml(&options.plan) && options.walls.is_none() {
         notes.extend(note::mostly_dark(&image, 100 * wall_pixels / pixels));
         notes.extend(note::coloured(&image, &plan, &ink));
+    }
+    if let Some(thickness_m) = options.min_thickness_m {
+        let size = [plan.width, plan.height];
+        notes.push(only_thick(&options.plan, &mut masks, size, thickness_m, resolution_m)?);
     }
     let Masks { walls, windows } = masks;
     let raster = PlanRaster { width: plan.width, height: plan.height, walls, windows, resolution_m, origin };
@@ -291,8 +302,38 @@ fn import_drawing(options: &PlanOptions, format: DrawingFormat) -> Result<Import
     let mut vector =
         vector::import(path, opened.drawing, &options.drawing, &ink, opened.resolution_m, options.origin)?;
     vector.notes.extend(opened.note);
-    let vector::Vector { plan, bearing, layers, notes, left_out, doors } = vector;
+    let vector::Vector { mut plan, bearing, layers, mut notes, left_out, doors } = vector;
+    if let Some(thickness_m) = options.min_thickness_m {
+        let mut masks = Masks { walls: plan.walls, windows: plan.windows };
+        let size = [plan.width, plan.height];
+        notes.push(only_thick(path, &mut masks, size, thickness_m, plan.resolution_m)?);
+        (plan.walls, plan.windows) = (masks.walls, masks.windows);
+    }
     Ok(Imported { plan, layers, notes, left_out: Some(left_out), doors, bearing })
+}
+
+/// Removes strokes that are too thin for walls; a note on how much that was.
+fn only_thick(
+    path: &Path,
+    masks: &mut Masks,
+    size: [u32; 2],
+    thickness_m: f64,
+    resolution_m: f64,
+) -> Result<PlanNote, PlanImportError> {
+    let Some(side) = clean::square(thickness_m, resolution_m) else {
+        return Err(PlanImportError::Value {
+            path: path.to_path_buf(),
+            field: "least thickness",
+            value: thickness_m.to_string(),
+            wanted: "metres from 1.5 pixels to 2 m are accepted",
+        });
+    };
+    let clean::Cleaned { percent, pieces, cavities } = clean::clean(masks, size, side, resolution_m);
+    let path = path.to_path_buf();
+    if masks.wall_pixels() == 0 {
+        return Err(PlanImportError::NoThickWalls { path, thickness_m });
+    }
+    Ok(PlanNote::Cleaned { path, thickness_m, percent, pieces, cavities })
 }
 
 fn is_yaml(path: &Path) -> bool {

@@ -55,6 +55,19 @@ pub enum PlanNote {
         /// Whether they count as wall.
         is_wall: bool,
     },
+    /// Strokes that are too thin for walls were removed, as asked.
+    Cleaned {
+        /// The plan.
+        path: PathBuf,
+        /// The least thickness of a wall, metres.
+        thickness_m: f64,
+        /// Percent of the wall pixels that were removed.
+        percent: u64,
+        /// The number of connected pieces that they are.
+        pieces: usize,
+        /// Cavities between two lines that were filled and are now wall.
+        cavities: usize,
+    },
     /// Layers of a drawing whose names say nothing.
     UnknownLayers {
         /// The drawing.
@@ -151,6 +164,12 @@ impl fmt::Display for PlanNote {
                  --glazing-color and --door-color say what colours mean",
                 path.display(),
                 if *is_wall { "wall" } else { "free" }
+            ),
+            Self::Cleaned { path, thickness_m, percent, pieces, cavities } => write!(
+                f,
+                "{}: strokes thinner than {thickness_m} m removed: {percent} % of the wall pixels (pieces: {pieces}); \
+                 cavities between two lines filled: {cavities}",
+                path.display()
             ),
             Self::UnknownLayers { path, layers, taken_for_walls } => {
                 let layers: Vec<String> = layers.iter().map(ToString::to_string).collect();

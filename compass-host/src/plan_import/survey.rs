@@ -1,6 +1,7 @@
 //! What a plan holds, measured: for people to judge whether it was understood.
 
 use super::bits::Bits;
+use super::pieces::{Piece, Pieces, Touch};
 use super::raster::PlanRaster;
 
 /// Bounds of the classes of wall thickness, in metres.
@@ -75,22 +76,20 @@ fn by_thickness(mask: &[u8], plan: &PlanRaster) -> Vec<ThicknessClass> {
 #[must_use]
 pub fn specks(plan: &PlanRaster) -> Vec<Speck> {
     let most = (LETTER_M / plan.resolution_m).ceil() as u32;
-    let is_letter = |piece: &Piece| {
-        let [width, height] = piece.sides();
-        let filled = f64::from(piece.pixels) / (f64::from(width) * f64::from(height));
-        let side = width.max(height);
-        side <= most && !(filled >= FILLED && f64::from(side) * plan.resolution_m >= SPECK_M)
+    let is_letter = |piece: &&Piece| {
+        let [long, short] = piece.sides();
+        let filled = piece.area as f64 / (f64::from(long) * f64::from(short));
+        let is_column = filled >= FILLED && f64::from(long) * plan.resolution_m >= SPECK_M;
+        long <= most && !is_column
     };
-    let speck = |piece: Piece| {
-        let centre = |axis: usize| {
-            let middle = f64::midpoint(f64::from(piece.low[axis]), f64::from(piece.high[axis]) + 1.0);
-            plan.origin[axis] + middle * plan.resolution_m
-        };
-        let [width, height] = piece.sides();
-        let radius_m = f64::from(width.max(height)) * plan.resolution_m / 2.0;
-        Speck { position: [centre(0), centre(1)], radius_m }
+    let speck = |piece: &Piece| {
+        let middle = |[from, to]: [u32; 2]| f64::midpoint(f64::from(from), f64::from(to)) * plan.resolution_m;
+        Speck {
+            position: [plan.origin[0] + middle(piece.x), plan.origin[1] + middle(piece.y)],
+            radius_m: f64::from(piece.sides()[0]) * plan.resolution_m / 2.0,
+        }
     };
-    pieces(plan).into_iter().filter(is_letter).map(speck).collect()
+    pieces(plan).iter().filter(is_letter).map(speck).collect()
 }
 
 /// How many connected pieces of wall and glazing a plan has.
@@ -99,43 +98,8 @@ pub fn piece_count(plan: &PlanRaster) -> usize {
     pieces(plan).len()
 }
 
-/// A connected piece of wall and glazing, in pixels.
-struct Piece {
-    low: [u32; 2],
-    high: [u32; 2],
-    pixels: u32,
-}
-
-impl Piece {
-    const fn sides(&self) -> [u32; 2] {
-        [self.high[0] - self.low[0] + 1, self.high[1] - self.low[1] + 1]
-    }
-}
-
 fn pieces(plan: &PlanRaster) -> Vec<Piece> {
-    let mut left = Bits::occupied(plan);
-    let (mut pieces, mut word, mut stack) = (Vec::new(), 0, Vec::new());
-    while let Some((at, start)) = left.first_from(word) {
-        word = at;
-        let mut piece = Piece { low: start.into(), high: start.into(), pixels: 0 };
-        left.take(start);
-        stack.push(start);
-        while let Some((x, y)) = stack.pop() {
-            piece.low = [piece.low[0].min(x), piece.low[1].min(y)];
-            piece.high = [piece.high[0].max(x), piece.high[1].max(y)];
-            piece.pixels = piece.pixels.saturating_add(1);
-            stack.extend(around((x, y), plan).filter(|next| left.take(*next)));
-        }
-        pieces.push(piece);
-    }
-    pieces
-}
-
-/// The up to eight neighbours of a pixel.
-fn around((x, y): (u32, u32), plan: &PlanRaster) -> impl Iterator<Item = (u32, u32)> + use<> {
-    let (width, height) = (plan.width, plan.height);
-    let rows = y.saturating_sub(1)..=(y + 1).min(height - 1);
-    rows.flat_map(move |row| (x.saturating_sub(1)..=(x + 1).min(width - 1)).map(move |column| (column, row)))
+    Pieces::of(&Bits::occupied(plan), Touch::Corners).pieces
 }
 
 #[cfg(test)]

@@ -1,10 +1,10 @@
 //! Plans from vector drawings: layers get their roles, walls drawn as lines become solid.
 
-use super::cavity::{self, CAVITY_M};
 use super::clusters::{self, Cluster};
 use super::error::PlanImportError;
 use super::ink::{self, Ink};
 use super::layers::{LayerRole, LayerRoles};
+use super::line_walls::{self, CAVITY_M};
 use super::note::{PlanNote, UnknownLayer};
 use super::paint::{self, Frame};
 use super::raster::PlanRaster;
@@ -80,9 +80,9 @@ pub(super) fn import(
         // Glazing between its own lines first: it replaces a wall that is drawn through it.
         let mut panes = frame.empty();
         paint::glazing(&mut panes, &frame, of(is_glazing));
-        cavity::fill(&mut panes);
+        line_walls::fill(&mut panes);
         raster.glaze(&panes);
-        cavity::fill(&mut raster);
+        line_walls::fill(&mut raster);
         raster
     };
     // Where colours tell, paper drawn over a wall makes it free: the order counts. Furniture has the colour of walls
