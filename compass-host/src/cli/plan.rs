@@ -2,6 +2,7 @@
 
 use super::notes::note;
 use super::places::PlacesArgs;
+use super::progress::Waiting;
 use anyhow::{Context as _, Result, bail};
 use compass_core::base::scan::Scan;
 use compass_host::interior::Places;
@@ -105,13 +106,14 @@ impl Layers {
             unit_m: self.unit,
             scale: self.scale,
             page: self.page,
+            with_left_out: false,
         }
     }
 }
 
 impl Reading {
-    /// Reads a plan; what a user should know of it goes to standard error.
-    pub(super) fn import(&self, plan: &Path) -> Result<Imported> {
+    /// Reads a plan; what a user should know of it goes to standard error. `with_left_out`: for a picture of it.
+    fn import(&self, plan: &Path, with_left_out: bool) -> Result<Imported> {
         let is_page = plan
             .extension()
             .is_some_and(|end| end.eq_ignore_ascii_case("svg") || end.eq_ignore_ascii_case("pdf"));
@@ -129,8 +131,10 @@ impl Reading {
         options.door = self.door_color;
         options.invert = self.invert;
         options.min_thickness_m = self.min_thickness;
-        options.drawing = self.drawing.options();
+        options.drawing = DrawingOptions { with_left_out, ..self.drawing.options() };
+        let waiting = Waiting::for_work("reading the plan");
         let mut imported = plan_import::import(&options)?;
+        drop(waiting);
         imported.notes.iter().for_each(|text| note(&text.to_string()));
         if let Some(thickness_m) = self.structure {
             imported.plan = imported
@@ -142,7 +146,7 @@ impl Reading {
 
     /// Reads and packs a plan.
     pub(super) fn load(&self, plan: &Path) -> Result<(PlanRaster, PackedPlan)> {
-        let raster = self.import(plan)?.plan;
+        let raster = self.import(plan, false)?.plan;
         let packed = PackedPlan::new(&raster).with_context(|| plan.display().to_string())?;
         Ok((raster, packed))
     }
@@ -177,9 +181,9 @@ impl PlanArgs {
         self.reading.load(self.named()?)
     }
 
-    /// Reads the plan.
-    pub(super) fn import(&self) -> Result<Imported> {
-        self.reading.import(self.named()?)
+    /// Reads the plan; `with_left_out`: for a picture of it.
+    pub(super) fn import(&self, with_left_out: bool) -> Result<Imported> {
+        self.reading.import(self.named()?, with_left_out)
     }
 
     fn named(&self) -> Result<&Path> {

@@ -2,9 +2,27 @@
 
 use compass_host::progress::{Progress, Steps};
 use indicatif::{ProgressBar, ProgressStyle};
+use std::time::Duration;
 
 /// Shows the library's progress as bars.
 pub(super) struct Bars;
+
+/// A sign of life during work whose length nobody knows; it disappears when dropped.
+pub(super) struct Waiting(ProgressBar);
+
+impl Waiting {
+    pub(super) fn for_work(what: &'static str) -> Self {
+        let bar = ProgressBar::new_spinner().with_message(what);
+        bar.enable_steady_tick(Duration::from_millis(200));
+        Self(bar)
+    }
+}
+
+impl Drop for Waiting {
+    fn drop(&mut self) {
+        self.0.finish_and_clear();
+    }
+}
 
 /// A bar that disappears when its work ends.
 struct Bar(ProgressBar);

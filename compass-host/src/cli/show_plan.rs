@@ -73,7 +73,7 @@ type Inside = Result<(Interior, Vec<[f64; 2]>), String>;
 
 impl ShowPlan {
     pub(super) fn run(&self) -> Result<Outcome> {
-        let imported = self.plan.import()?;
+        let imported = self.plan.import(self.picture.is_some())?;
         let inside = self.inside(&imported.plan);
         let suspects: Vec<([f64; 2], f64)> =
             survey::specks(&imported.plan).iter().map(|speck| (speck.position, speck.radius_m)).collect();

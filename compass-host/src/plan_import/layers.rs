@@ -40,6 +40,12 @@ impl LayerRole {
     pub const fn is_wall(self) -> bool {
         matches!(self, Self::Wall | Self::Structure | Self::Partition)
     }
+
+    /// Whether it is part of the plan: wall or glazing.
+    #[must_use]
+    pub const fn is_plan(self) -> bool {
+        self.is_wall() || matches!(self, Self::Glazing)
+    }
 }
 
 /// A pattern of layer names, without case: `*` stands for any letters, `?` for one.
@@ -124,254 +130,46 @@ impl LayerRoles {
 }
 
 /// Words of layer names: English (AIA and NCS short forms too), German, French, Spanish, Italian, Dutch. A word stands
-/// at the start of a part of the name; one after `~` anywhere in it, as in German compounds. The first line with a word
+/// at the start of a part of the name, one of four letters or fewer is all of it; one after `~` stands at its end, as in
+/// German compounds, and `_` for a blank. The first line with a word
 /// of the name counts.
-const TABLE: [(LayerRole, &[&str]); 7] = [
+const TABLE: [(LayerRole, &str); 7] = [
     (
         LayerRole::Ignored,
-        &[
-            "dim",
-            "dims",
-            "anno",
-            "text",
-            "note",
-            "iden",
-            "symb",
-            "furn",
-            "mobel",
-            "moebel",
-            "mobilier",
-            "mobili",
-            "muebles",
-            "meubel",
-            "meubilair",
-            "equip",
-            "sanit",
-            "plumb",
-            "hvac",
-            "elec",
-            "light",
-            "grid",
-            "axis",
-            "achse",
-            "bemass",
-            "masse",
-            "beschrift",
-            "schrift",
-            "texte",
-            "texto",
-            "testo",
-            "cota",
-            "cote",
-            "quote",
-            "quota",
-            "maat",
-            "area",
-            "room",
-            "raum",
-            "space",
-            "stair",
-            "strs",
-            "treppe",
-            "escalier",
-            "escalera",
-            "scala",
-            "scale",
-            "trap",
-            "ceil",
-            "clng",
-            "decke",
-            "roof",
-            "dach",
-            "defpoints",
-            "viewport",
-            "vport",
-            "title",
-            "ttlb",
-            "floor pattern",
-            "hatch only",
-            "patt",
-            "prht",
-            "hdln",
-            "ovhd",
-            "landscape",
-            "tree",
-            "~bemassung",
-            "~beschriftung",
-            "~mobel",
-            "~moebel",
-            "~dachfenster",
-            "~treppe",
-            "~achsen",
-            "~raumstempel",
-        ],
+        "dim dims anno text note iden symb furn furniture dimension annotation mobel moebel mobilier mobili \
+         muebles meubel meubilair equip sanit plumb hvac elec lighting grid axis achse bemass masse beschrift \
+         schrift texte texto testo cota cote quote quota maat area room raum space stair strs treppe escalier \
+         escalera scala scale trap ceil clng decke roof dach defpoints viewport vport title ttlb \
+         floor_pattern hatch_only patt prht hdln ovhd landscape tree slab beam unterzug fundament foundation railing gelander ~bemassung ~beschriftung ~mobel ~moebel \
+         ~dachfenster ~treppe ~achsen ~raumstempel",
     ),
     (
         LayerRole::Glazing,
-        &[
-            "glaz",
-            "glass",
-            "glas",
-            "window",
-            "wind",
-            "wndw",
-            "fenetre",
-            "vitrage",
-            "vitre",
-            "ventana",
-            "vidrio",
-            "finestra",
-            "finestre",
-            "vetro",
-            "vetrata",
-            "raam",
-            "ramen",
-            "beglazing",
-            "curtain",
-            "verglas",
-            "fassade",
-            "facade",
-            "fachada",
-            "facciata",
-            "gevel",
-            "~fenster",
-            "~verglasung",
-            "~glaswand",
-            "~glaswande",
-            "~fassade",
-            "~fassaden",
-        ],
+        "glaz glass glas window wind wndw fenetre vitrage vitre ventana vidrio finestra finestre vetro \
+         vetrata raam ramen beglazing curtain verglas fassade facade fachada facciata gevel ~fenster \
+         ~verglasung ~glaswand ~glaswande ~fassade ~fassaden",
     ),
-    (
-        LayerRole::Door,
-        &["door", "tuer", "tur", "tueren", "turen", "porte", "puerta", "porta", "deur", "~turen", "~tueren"],
-    ),
+    (LayerRole::Door, "door tuer tur tueren turen porte puerta porta deur ~turen ~tueren"),
     (
         LayerRole::Structure,
-        &[
-            "cols",
-            "column",
-            "pillar",
-            "pier",
-            "struct",
-            "bearing",
-            "concrete",
-            "conc",
-            "shear",
-            "core",
-            "extr",
-            "exterior",
-            "external",
-            "outer",
-            "stutze",
-            "stuetze",
-            "saule",
-            "saeule",
-            "pfeiler",
-            "rohbau",
-            "beton",
-            "aussenw",
-            "ausenw",
-            "tragend",
-            "poteau",
-            "porteur",
-            "exterieur",
-            "pilar",
-            "columna",
-            "estructura",
-            "colonna",
-            "colonne",
-            "pilastro",
-            "struttura",
-            "esterno",
-            "esterni",
-            "portante",
-            "kolom",
-            "buitenm",
-            "buitenw",
-            "draagm",
-            "dragend",
-            "constructie",
-            "~stutzen",
-            "~stuetzen",
-            "~rohbau",
-            "~aussenwand",
-            "~aussenwande",
-            "~aussenwaende",
-            "~buitenmuur",
-            "~buitenmuren",
-        ],
+        "cols column pillar pier struct bearing concrete conc shear core extr exterior external outer stutze \
+         stuetze saule saeule pfeiler rohbau beton aussenw ausenw tragend poteau porteur exterieur pilar \
+         columna estructura colonna colonne pilastro struttura esterno esterni portante kolom buitenm buitenw \
+         draagm dragend constructie ~stutzen ~stuetzen ~rohbau ~aussenwand ~aussenwande ~aussenwaende \
+         ~buitenmuur ~buitenmuren",
     ),
     (
         LayerRole::Partition,
-        &[
-            "partition",
-            "partn",
-            "drywall",
-            "gypsum",
-            "stud",
-            "fitout",
-            "fit out",
-            "ausbau",
-            "trockenbau",
-            "leichtbau",
-            "trennw",
-            "vormauer",
-            "vorsatz",
-            "gipskarton",
-            "nichttragend",
-            "cloison",
-            "tabique",
-            "tabiqueria",
-            "tramezz",
-            "tramezzo",
-            "cartongesso",
-            "scheidingsw",
-            "~trockenbau",
-            "~trennwand",
-            "~trennwande",
-            "~vormauerung",
-            "~vormauerungen",
-            "~leichtbauwand",
-        ],
+        "partition partn drywall gypsum stud fitout fit_out ausbau trockenbau leichtbau trennw vormauer \
+         vorsatz gipskarton nichttragend cloison tabique tabiqueria tramezz tramezzo cartongesso scheidingsw \
+         ~trockenbau ~trennwand ~trennwande ~vormauerung ~vormauerungen ~leichtbauwand",
     ),
     (
         LayerRole::Wall,
-        &[
-            "wall",
-            "walls",
-            "wand",
-            "wande",
-            "waende",
-            "mauer",
-            "mauerwerk",
-            "innenw",
-            "mur",
-            "murs",
-            "muro",
-            "muros",
-            "pared",
-            "paredes",
-            "muri",
-            "parete",
-            "pareti",
-            "muur",
-            "muren",
-            "wanden",
-            "maconnerie",
-            "brick",
-            "masonry",
-            "~wande",
-            "~waende",
-            "~wand",
-            "~mauerwerk",
-            "~walls",
-        ],
+        "wall walls wand wande waende mauer mauerwerk innenw mur murs muro muros pared paredes muri parete \
+         pareti muur muren wanden maconnerie brick masonry ~wande ~waende ~wand ~mauerwerk ~walls",
     ),
-    (
-        LayerRole::Ignored,
-        &["hatch", "schraffur", "~schraffur", "hachure", "tratteggio", "rayado", "arcering"],
-    ),
+    (LayerRole::Ignored, "hatch schraffur ~schraffur hachure tratteggio rayado arcering"),
 ];
 
 /// The role of a layer by the table of names in use.
@@ -382,14 +180,14 @@ fn by_name(name: &str) -> Option<LayerRole> {
     let joined = parts.join(" ");
     let has = |word: &str| match word.strip_prefix('~') {
         Some(end) => parts.iter().any(|part| part.ends_with(end)),
-        None if word.contains(' ') => joined.contains(word),
+        None if word.contains('_') => joined.contains(&word.replace('_', " ")),
         // Short words must be a whole part, or its plural: "tur" is no "turning", "dim" no "dimmer".
         None if word.len() <= 4 => {
             parts.iter().any(|part| part.strip_suffix('s').unwrap_or(part) == word || *part == word)
         }
         None => parts.iter().any(|part| part.starts_with(word)),
     };
-    TABLE.iter().find(|(_, words)| words.iter().any(|word| has(word))).map(|(role, _)| *role)
+    TABLE.iter().find(|(_, words)| words.split_whitespace().any(has)).map(|(role, _)| *role)
 }
 
 /// Lower case, without accents.

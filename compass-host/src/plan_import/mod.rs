@@ -16,6 +16,7 @@ mod layers;
 mod line_walls;
 mod note;
 mod paint;
+mod painter;
 mod pieces;
 mod raster;
 mod ros_map;
@@ -125,7 +126,7 @@ pub struct Imported {
     pub layers: Vec<LayerSummary>,
     /// What a user should know although the plan was read.
     pub notes: Vec<PlanNote>,
-    /// What is drawn but no part of the plan, as walls; `None` for images.
+    /// What is drawn but no part of the plan, as walls, if the options ask for it; `None` for images.
     pub left_out: Option<PlanRaster>,
     /// Doors of a drawing, as walls, where a layer shows them.
     pub doors: Option<PlanRaster>,
@@ -309,7 +310,7 @@ fn import_drawing(options: &PlanOptions, format: DrawingFormat) -> Result<Import
         notes.push(only_thick(path, &mut masks, size, thickness_m, plan.resolution_m)?);
         (plan.walls, plan.windows) = (masks.walls, masks.windows);
     }
-    Ok(Imported { plan, layers, notes, left_out: Some(left_out), doors, bearing })
+    Ok(Imported { plan, layers, notes, left_out, doors, bearing })
 }
 
 /// Removes strokes that are too thin for walls; a note on how much that was.

@@ -34,21 +34,18 @@ impl Frame {
 }
 
 /// Draws shapes as walls.
-pub(super) fn walls<'a>(
-    raster: &mut PlanRaster,
-    frame: &Frame,
-    shapes: impl Iterator<Item = &'a Shape> + Clone,
-) {
+pub(super) fn walls(raster: &mut PlanRaster, frame: &Frame, shapes: &[&Shape]) {
     paint(frame, shapes, |x, y| raster.set_wall(x, y));
 }
 
 /// Draws shapes as glazing, over walls.
-pub(super) fn glazing<'a>(
-    raster: &mut PlanRaster,
-    frame: &Frame,
-    shapes: impl Iterator<Item = &'a Shape> + Clone,
-) {
+pub(super) fn glazing(raster: &mut PlanRaster, frame: &Frame, shapes: &[&Shape]) {
     paint(frame, shapes, |x, y| raster.set_window(x, y));
+}
+
+/// Makes what shapes cover neither wall nor glazing.
+pub(super) fn clear(raster: &mut PlanRaster, frame: &Frame, shapes: &[&Shape]) {
+    paint(frame, shapes, |x, y| raster.set_free(x, y));
 }
 
 /// Draws shapes in the order of the drawing, each over those before it, where `class_of` says what its layer is; `None`
@@ -67,7 +64,7 @@ pub(super) fn in_order<'a>(
         while let Some(next) = shapes.next_if(|next| class_of(next.layer) == class) {
             run.push(next);
         }
-        paint(frame, run.into_iter(), |x, y| match class {
+        paint(frame, &run, |x, y| match class {
             Some(LayerRole::Glazing) => raster.set_window(x, y),
             Some(role) if role.is_wall() => raster.set_wall(x, y),
             _ => raster.set_free(x, y),
@@ -76,8 +73,8 @@ pub(super) fn in_order<'a>(
 }
 
 /// Calls `set` with every pixel of the shapes, band by band: a byte per pixel of a whole plan may be too much.
-fn paint<'a>(frame: &Frame, shapes: impl Iterator<Item = &'a Shape> + Clone, mut set: impl FnMut(u32, u32)) {
-    let Some([columns, rows]) = touched(frame, shapes.clone()) else { return };
+fn paint(frame: &Frame, shapes: &[&Shape], mut set: impl FnMut(u32, u32)) {
+    let Some([columns, rows]) = touched(frame, shapes) else { return };
     let width = columns.end - columns.start;
     let height = (BAND_PIXELS / width as usize).clamp(1, (rows.end - rows.start) as usize) as u32;
     let Some(mut mask) = Mask::new(width, height) else { return };
@@ -86,7 +83,7 @@ fn paint<'a>(frame: &Frame, shapes: impl Iterator<Item = &'a Shape> + Clone, mut
         let corner = [columns.start, first].map(f64::from);
         let corner = [0, 1].map(|axis| frame.corner[axis] + corner[axis] * frame.resolution_m);
         let high = corner[1] + f64::from(height) * frame.resolution_m;
-        for shape in shapes.clone() {
+        for shape in shapes {
             let slack = line_width(frame, shape.paint) * frame.resolution_m;
             let [least, most] = shape.extent();
             if most[1] + slack >= corner[1] && least[1] - slack <= high {
@@ -103,7 +100,7 @@ fn paint<'a>(frame: &Frame, shapes: impl Iterator<Item = &'a Shape> + Clone, mut
 }
 
 /// The columns and rows of the raster that shapes may touch.
-fn touched<'a>(frame: &Frame, shapes: impl Iterator<Item = &'a Shape>) -> Option<[Range<u32>; 2]> {
+fn touched(frame: &Frame, shapes: &[&Shape]) -> Option<[Range<u32>; 2]> {
     let (mut least, mut most) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
     for shape in shapes {
         // Square caps and miters reach beyond half the width.

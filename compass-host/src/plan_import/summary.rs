@@ -13,11 +13,13 @@ pub struct DrawingOptions {
     pub scale: Option<f64>,
     /// The page of a PDF; the first is 1.
     pub page: usize,
+    /// Whether to draw what is left out as well, for a picture.
+    pub with_left_out: bool,
 }
 
 impl Default for DrawingOptions {
     fn default() -> Self {
-        Self { layers: LayerRoles::default(), unit_m: None, scale: None, page: 1 }
+        Self { layers: LayerRoles::default(), unit_m: None, scale: None, page: 1, with_left_out: false }
     }
 }
 

@@ -4,14 +4,15 @@ use super::clusters::{self, Cluster};
 use super::error::PlanImportError;
 use super::ink::{self, Ink};
 use super::layers::{LayerRole, LayerRoles};
-use super::line_walls::{self, CAVITY_M};
+use super::line_walls::CAVITY_M;
 use super::note::{PlanNote, UnknownLayer};
-use super::paint::{self, Frame};
+use super::paint::Frame;
+use super::painter::Painter;
 use super::raster::PlanRaster;
 use super::structure::Bearing;
 use super::summary::{DrawingOptions, LayerSummary};
 use crate::drawing::unit::{Unit, UnitSource};
-use crate::drawing::{Drawing, Layer, Paint, Shape};
+use crate::drawing::{Drawing, Layer, Shape};
 use std::path::Path;
 
 /// Free margin around a drawing in metres: wider than any cavity.
@@ -29,8 +30,8 @@ pub(super) struct Vector {
     pub(super) bearing: Option<Bearing>,
     pub(super) layers: Vec<LayerSummary>,
     pub(super) notes: Vec<PlanNote>,
-    /// Lines of layers that are no part of the plan, as pixels.
-    pub(super) left_out: PlanRaster,
+    /// Lines of layers that are no part of the plan, as pixels, if asked for.
+    pub(super) left_out: Option<PlanRaster>,
     /// Doors as pixels, where a layer shows them.
     pub(super) doors: Option<PlanRaster>,
 }
@@ -57,9 +58,8 @@ pub(super) fn import(
         let kinds = drawing.unread.iter().map(|(kind, count)| (kind.clone(), *count)).collect();
         notes.push(PlanNote::Unread { path: path.to_path_buf(), kinds });
     }
-    let part_of_plan =
-        |shape: &Shape| roles[shape.layer].is_some_and(|role| role.is_wall() || role == LayerRole::Glazing);
-    let all: Vec<&Shape> = drawing.shapes.iter().filter(|shape| part_of_plan(shape)).collect();
+    let is_plan = |shape: &&Shape| roles[shape.layer].is_some_and(LayerRole::is_plan);
+    let all: Vec<&Shape> = drawing.shapes.iter().filter(is_plan).collect();
     let (found, specks) = clusters::of(&all);
     note_clusters(path, &found, specks, &mut notes);
     let kept: Vec<&Shape> =
@@ -67,52 +67,15 @@ pub(super) fn import(
     let extent = clusters::extent(found.iter().map(|cluster| cluster.extent));
     let frame = frame(path, extent, resolution_m, origin, &mut notes)?;
 
-    let of = |wanted: fn(LayerRole) -> bool| {
-        kept.iter().copied().filter({
-            let roles = &roles;
-            move |shape| roles[shape.layer].is_some_and(wanted)
-        })
-    };
-    let is_glazing = |role| role == LayerRole::Glazing;
-    let solid = |wanted: fn(LayerRole) -> bool| {
-        let mut raster = frame.empty();
-        paint::walls(&mut raster, &frame, of(wanted));
-        // Glazing between its own lines first: it replaces a wall that is drawn through it.
-        let mut panes = frame.empty();
-        paint::glazing(&mut panes, &frame, of(is_glazing));
-        line_walls::fill(&mut panes);
-        raster.glaze(&panes);
-        line_walls::fill(&mut raster);
-        raster
-    };
-    // Where colours tell, paper drawn over a wall makes it free: the order counts. Furniture has the colour of walls
-    // there, so that narrow places between lines are no sign of a wall.
-    let plan = if by_colour {
-        let mut raster = frame.empty();
-        paint::in_order(&mut raster, &frame, drawing.shapes.iter(), |layer| roles[layer]);
-        raster
-    } else {
-        solid(LayerRole::is_wall)
-    };
-    let has = |wanted: LayerRole| roles.iter().any(|role| *role == Some(wanted));
-    let bearing = (has(LayerRole::Structure) || has(LayerRole::Partition)).then(|| Bearing {
-        certain: has(LayerRole::Structure).then(|| solid(|role| role == LayerRole::Structure)),
-        possible: solid(|role| matches!(role, LayerRole::Structure | LayerRole::Wall)),
-    });
-    let is_door = |shape: &&Shape| roles[shape.layer] == Some(LayerRole::Door);
-    let doors = has(LayerRole::Door).then(|| {
-        let mut doors = frame.empty();
-        paint::walls(&mut doors, &frame, drawing.shapes.iter().filter(is_door));
-        doors
-    });
-    let mut left_out = frame.empty();
-    // Outlines alone: floors are often filled.
-    let others = drawing.shapes.iter().filter(|shape| !part_of_plan(shape) && !is_door(shape));
-    let outlines: Vec<Shape> =
-        others.map(|shape| Shape { paint: Paint::Stroke(0.0), ..shape.clone() }).collect();
-    paint::walls(&mut left_out, &frame, outlines.iter());
-    let layers = summary(&drawing, &roles);
-    Ok(Vector { plan, bearing, layers, notes, left_out, doors })
+    let painter = Painter { drawing: &drawing, roles: &roles, frame: &frame, kept };
+    Ok(Vector {
+        plan: if by_colour { painter.in_order() } else { painter.solid(LayerRole::is_wall) },
+        bearing: painter.bearing(),
+        doors: painter.doors(),
+        left_out: options.with_left_out.then(|| painter.left_out()),
+        layers: summary(&drawing, &roles),
+        notes,
+    })
 }
 
 /// The layers by name and role: those of one name differ in colour.

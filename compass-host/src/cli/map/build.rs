@@ -65,7 +65,7 @@ enum Structure {
 impl Build {
     pub(super) fn run(&self) -> Result<Outcome> {
         let started = Instant::now();
-        let imported = self.plan.import()?;
+        let imported = self.plan.import(false)?;
         let path = self.plan.path().unwrap_or(Path::new(""));
         let raster = &imported.plan;
         let plan = PackedPlan::new(raster).with_context(|| path.display().to_string())?;
