@@ -68,6 +68,8 @@ pub mod compare;
 pub mod cross_modal;
 pub mod dataset;
 pub mod doubt;
+// Without one of the readers some of the model is not used.
+#[cfg_attr(not(all(feature = "cad", feature = "drawings")), allow(dead_code))]
 mod drawing;
 pub mod dual_image;
 pub mod evaluate;

@@ -1,6 +1,6 @@
 //! `--min-thickness`, from end to end: a drawing with text and lines in it, and the picture of a school.
 
-use compass_host::plan_import::{PlanNote, PlanOptions, PlanRaster, load, load_with_notes};
+use compass_host::plan_import::{Imported, PlanNote, PlanOptions, PlanRaster, import, load};
 use compass_tests::{Folder, numbers};
 use image::{DynamicImage, GrayImage, ImageFormat, Luma};
 use std::io::Cursor;
@@ -106,7 +106,7 @@ fn the_picture_of_a_school_keeps_its_walls_alone() {
     options.resolution_m = Some(0.04);
     let drawn = load(&options).unwrap();
     options.min_thickness_m = Some(0.2);
-    let (plan, notes) = load_with_notes(&options).unwrap();
+    let Imported { plan: plan, notes: notes, .. } = import(&options).unwrap();
     println!("{}", notes[0]);
     let [PlanNote::Cleaned { percent, pieces, cavities, .. }] = notes[..] else { panic!("{notes:?}") };
     // Measured: 14 % in 441 pieces.

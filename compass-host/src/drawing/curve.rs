@@ -116,17 +116,14 @@ fn de_boor(degree: usize, knots: &[f64], control: &[[f64; 3]], span: usize, t: f
 }
 
 /// Contours from the moves of a pen, with Bezier curves as chords.
-#[cfg(feature = "drawings")]
 #[derive(Default)]
 pub(super) struct Outline {
     pub(super) contours: Vec<Vec<[f64; 2]>>,
 }
 
 /// Chords of a Bezier curve. Drawings are made of short ones: a turn has four.
-#[cfg(feature = "drawings")]
 const BEZIER_CHORDS: u32 = 16;
 
-#[cfg(feature = "drawings")]
 impl Outline {
     pub(super) fn move_to(&mut self, to: [f64; 2]) {
         self.contours.push(vec![to]);

@@ -90,7 +90,6 @@ impl Drawing {
     }
 
     /// The index of the layer of a name and a colour; without a name the colour is the name.
-    #[cfg(feature = "drawings")]
     pub(crate) fn coloured_layer(&mut self, name: &str, colour: [u8; 3]) -> usize {
         let [r, g, b] = colour;
         let name = if name.is_empty() { format!("#{r:02x}{g:02x}{b:02x}") } else { name.to_owned() };

@@ -153,7 +153,7 @@ mod tests {
                 width="200" height="100"><style>.Wall{fill:#222}</style>
               <g inkscape:label="Ground floor" id="layer1"><g class="Wall External">
                 <rect class="Wall" x="10" y="20" width="40" height="5"/>
-                <g transform="translate(100 0) scale(2)"><path id="Window" d="M0 0h10" stroke="#ff0000" stroke-width="1.5"/></g>
+                <g transform="translate(100 0) scale(2)"><path id="Window" d="M0 0h10" fill="none" stroke="#ff0000" stroke-width="1.5"/></g>
               </g></g>
               <circle id="circle77" r="3" fill="#00f" display="none"/>
             </svg>"##,

@@ -141,6 +141,8 @@ impl Bits {
     /// Grows the mask within `free`, of the same size and a superset, over all that is connected along rows and columns.
     pub(super) fn flood(&mut self, free: &Self) {
         let rows = self.bits.len() / self.words;
+        // Along each row first: a mask of one row has none beside it.
+        (0..rows).for_each(|row| _ = self.grow_row(free, row, row));
         loop {
             // Each sweep carries along rows as far as they are free, so few are needed.
             let up = (1..rows).fold(false, |changed, row| self.grow_row(free, row, row - 1) | changed);

@@ -3,6 +3,7 @@
 use super::error::PlanImportError;
 use super::note::PlanNote;
 use super::summary::DrawingOptions;
+#[cfg(any(feature = "cad", feature = "drawings"))]
 use crate::drawing::unit::{Unit, UnitSource};
 use crate::drawing::{Drawing, DrawingError};
 use std::path::Path;

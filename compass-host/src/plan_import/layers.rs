@@ -130,15 +130,14 @@ impl LayerRoles {
 }
 
 /// Words of layer names: English (AIA and NCS short forms too), German, French, Spanish, Italian, Dutch. A word stands
-/// at the start of a part of the name, one of four letters or fewer is all of it; one after `~` stands at its end, as in
-/// German compounds, and `_` for a blank. The first line with a word
-/// of the name counts.
+/// at the start of a part of the name; one of up to four letters, or after `=`, is all of it or its plural; one after `~`
+/// stands at its end, as in German compounds; `_` is a blank. The first line with a word of the name counts.
 const TABLE: [(LayerRole, &str); 7] = [
     (
         LayerRole::Ignored,
         "dim dims anno text note iden symb furn furniture dimension annotation mobel moebel mobilier mobili \
          muebles meubel meubilair equip sanit plumb hvac elec lighting grid axis achse bemass masse beschrift \
-         schrift texte texto testo cota cote quote quota maat area room raum space stair strs treppe escalier \
+         schrift texte texto testo cota cote kote quote quota maat area room raum space stair strs treppe escalier \
          escalera scala scale trap ceil clng decke roof dach defpoints viewport vport title ttlb \
          floor_pattern hatch_only patt prht hdln ovhd landscape tree slab beam unterzug fundament foundation railing gelander ~bemassung ~beschriftung ~mobel ~moebel \
          ~dachfenster ~treppe ~achsen ~raumstempel",
@@ -146,28 +145,28 @@ const TABLE: [(LayerRole, &str); 7] = [
     (
         LayerRole::Glazing,
         "glaz glass glas window wind wndw fenetre vitrage vitre ventana vidrio finestra finestre vetro \
-         vetrata raam ramen beglazing curtain verglas fassade facade fachada facciata gevel ~fenster \
+         vetrata raam ramen kozijn beglazing curtain verglas fassade facade fachada facciata gevel ~fenster \
          ~verglasung ~glaswand ~glaswande ~fassade ~fassaden",
     ),
-    (LayerRole::Door, "door tuer tur tueren turen porte puerta porta deur ~turen ~tueren"),
+    (LayerRole::Door, "door tuer tur tueren turen =porte puerta =porta deur deuren ~turen ~tueren"),
     (
         LayerRole::Structure,
         "cols column pillar pier struct bearing concrete conc shear core extr exterior external outer stutze \
-         stuetze saule saeule pfeiler rohbau beton aussenw ausenw tragend poteau porteur exterieur pilar \
+         stuetze saule saeule pfeiler rohbau beton =aussen aussenw ausenw tragend poteau porteur exterieur pilar \
          columna estructura colonna colonne pilastro struttura esterno esterni portante kolom buitenm buitenw \
-         draagm dragend constructie ~stutzen ~stuetzen ~rohbau ~aussenwand ~aussenwande ~aussenwaende \
+         draagm dragend constructie ~stutzen ~stuetzen ~rohbau ~beton ~aussenwand ~aussenwande ~aussenwaende \
          ~buitenmuur ~buitenmuren",
     ),
     (
         LayerRole::Partition,
         "partition partn drywall gypsum stud fitout fit_out ausbau trockenbau leichtbau trennw vormauer \
-         vorsatz gipskarton nichttragend cloison tabique tabiqueria tramezz tramezzo cartongesso scheidingsw \
+         vorsatz gipskarton doublage nichttragend cloison tabique tabiqueria tramezz tramezzo cartongesso scheidingsw \
          ~trockenbau ~trennwand ~trennwande ~vormauerung ~vormauerungen ~leichtbauwand",
     ),
     (
         LayerRole::Wall,
         "wall walls wand wande waende mauer mauerwerk innenw mur murs muro muros pared paredes muri parete \
-         pareti muur muren wanden maconnerie brick masonry ~wande ~waende ~wand ~mauerwerk ~walls",
+         pareti muur muren wanden maconnerie muratura brick masonry ~wande ~waende ~wand ~mauerwerk ~walls",
     ),
     (LayerRole::Ignored, "hatch schraffur ~schraffur hachure tratteggio rayado arcering"),
 ];
@@ -178,14 +177,15 @@ fn by_name(name: &str) -> Option<LayerRole> {
     let parts: Vec<&str> =
         name.split(|letter: char| !letter.is_alphabetic()).filter(|part| !part.is_empty()).collect();
     let joined = parts.join(" ");
-    let has = |word: &str| match word.strip_prefix('~') {
-        Some(end) => parts.iter().any(|part| part.ends_with(end)),
-        None if word.contains('_') => joined.contains(&word.replace('_', " ")),
-        // Short words must be a whole part, or its plural: "tur" is no "turning", "dim" no "dimmer".
-        None if word.len() <= 4 => {
-            parts.iter().any(|part| part.strip_suffix('s').unwrap_or(part) == word || *part == word)
-        }
-        None => parts.iter().any(|part| part.starts_with(word)),
+    let is_part = |word: &str| parts.iter().any(|part| *part == word || part.strip_suffix('s') == Some(word));
+    let has = |word: &str| match word.split_at(word.len().min(1)) {
+        ("~", end) => parts.iter().any(|part| part.ends_with(end)),
+        // "porte" is no "porteur".
+        ("=", whole) => is_part(whole),
+        _ if word.contains('_') => joined.contains(&word.replace('_', " ")),
+        // "tur" is no "turning", "dim" no "dimmer".
+        _ if word.len() <= 4 => is_part(word),
+        _ => parts.iter().any(|part| part.starts_with(word)),
     };
     TABLE.iter().find(|(_, words)| words.split_whitespace().any(has)).map(|(role, _)| *role)
 }

@@ -9,6 +9,8 @@ mod cavities;
 mod classify;
 mod clean;
 mod clusters;
+// Without one of the readers some of its scales are not used.
+#[cfg_attr(not(all(feature = "cad", feature = "drawings")), allow(dead_code))]
 mod drawing_file;
 mod error;
 mod ink;
