@@ -107,7 +107,7 @@ impl LayerPattern {
     }
 }
 
-/// Which layer is what: patterns before the [table](by_name).
+/// Which layer is what: patterns before a table of names in use.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct LayerRoles {
     /// Patterns and what they say. Of several that match, the one with the most letters counts.
