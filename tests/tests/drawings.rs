@@ -122,6 +122,25 @@ fn a_page_has_the_scale_that_is_told() {
 }
 
 #[test]
+fn options_of_another_format_are_refused() {
+    let folder = Folder::new();
+    folder.write("a.pdf", &pdf());
+    folder.write("a.svg", room("class='wall'", "", "", "").as_bytes());
+    for (plan, option) in [
+        ("sample.png", "--unit mm"),
+        ("sample.png", "--layers-wall a*"),
+        ("sample.png", "--scale 1:50"),
+        ("a.svg", "--page 2"),
+        ("a.pdf", "--scale 1:50 --walls sample.png"),
+        ("sample.png", "--page 2"),
+    ] {
+        let ran = folder.run(&format!("plan {plan} {option}"));
+        assert_eq!(ran.status, Some(2), "{plan} {option}");
+        assert!(ran.stderr.contains("does not apply to"), "{}", ran.stderr);
+    }
+}
+
+#[test]
 fn files_of_another_kind_are_named() {
     let folder = Folder::new();
     folder.write("a.svg", b"<svg");

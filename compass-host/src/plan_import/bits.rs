@@ -138,7 +138,7 @@ impl Bits {
         upright.sum::<u64>() + right.sum::<u64>() + flat.sum::<u64>()
     }
 
-    /// Grows the mask within `free`, of the same size and a superset, over all that is connected along rows and columns.
+    /// Grows the mask within `free`, of the same size and a superset, over all that is connected by sides.
     pub(super) fn flood(&mut self, free: &Self) {
         let rows = self.bits.len() / self.words;
         // Along each row first: a mask of one row has none beside it.

@@ -94,7 +94,7 @@ fn crowded(walls: &Bits, free: &Bits, side: usize, pixel_m: f64) -> Bits {
 impl Beside<'_> {
     /// Adds the sides of a run's pixels. Beyond the plan all is open.
     fn add(&self, run: &Run, border: &mut Border) {
-        let mut look = |x: u32, y: u32| {
+        run.beside(|x, y| {
             if self.thick.get(x, y) {
                 border.thick += 1;
             } else if self.walls.get(x, y) {
@@ -104,12 +104,6 @@ impl Beside<'_> {
             } else if !self.narrow.get(x, y) {
                 border.open += 1;
             }
-        };
-        look(run.from.wrapping_sub(1), run.y);
-        look(run.to, run.y);
-        for x in run.from..run.to {
-            look(x, run.y.wrapping_sub(1));
-            look(x, run.y + 1);
-        }
+        });
     }
 }

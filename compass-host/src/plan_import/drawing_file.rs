@@ -37,7 +37,12 @@ impl DrawingFormat {
         }
     }
 
-    const fn name(self) -> &'static str {
+    /// Whether it is drawn on paper, at a scale.
+    pub(super) const fn is_page(self) -> bool {
+        matches!(self, Self::Svg | Self::Pdf)
+    }
+
+    pub(super) const fn name(self) -> &'static str {
         match self {
             Self::Dxf => "DXF",
             Self::Dwg => "DWG",

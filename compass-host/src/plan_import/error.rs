@@ -72,6 +72,16 @@ pub enum PlanImportError {
         /// The Cargo feature that reads it.
         feature: &'static str,
     },
+    /// An option that means nothing for the format of the plan.
+    #[error("{}: {option} does not apply to {format}", path.display())]
+    Option {
+        /// The plan.
+        path: PathBuf,
+        /// The option, by its name on the command line.
+        option: &'static str,
+        /// The format.
+        format: &'static str,
+    },
     /// Nothing tells the scale of a drawing on paper.
     #[error("{}: nothing tells its scale: add --scale 1:100, or --scale-points X1,Y1,X2,Y2,METRES", path.display())]
     Scale {

@@ -135,12 +135,13 @@ impl LayerRoles {
 const TABLE: [(LayerRole, &str); 7] = [
     (
         LayerRole::Ignored,
-        "dim dims anno text note iden symb furn furniture dimension annotation mobel moebel mobilier mobili \
-         muebles meubel meubilair equip sanit plumb hvac elec lighting grid axis achse bemass masse beschrift \
-         schrift texte texto testo cota cote kote quote quota maat area room raum space stair strs treppe escalier \
-         escalera scala scale trap ceil clng decke roof dach defpoints viewport vport title ttlb \
-         floor_pattern hatch_only patt prht hdln ovhd landscape tree slab beam unterzug fundament foundation railing gelander ~bemassung ~beschriftung ~mobel ~moebel \
-         ~dachfenster ~treppe ~achsen ~raumstempel",
+        "dim anno demo demolition abbruch center centre cntr text note iden symb furn furniture dimension \
+         annotation mobel moebel mobilier mobili muebles meubel meubilair equip sanit plumb hvac elec \
+         lighting grid axis achse bemass masse beschrift schrift texte texto testo cota cote kote quote \
+         quota maat area room raum space stair strs treppe escalier escalera scala scale trap ceil clng \
+         decke roof dach defpoints viewport vport title ttlb floor_pattern hatch_only patt prht hdln ovhd \
+         landscape tree slab beam unterzug fundament foundation railing gelander ~bemassung ~beschriftung \
+         ~mobel ~moebel ~dachfenster ~treppe ~achsen ~raumstempel",
     ),
     (
         LayerRole::Glazing,
@@ -151,17 +152,18 @@ const TABLE: [(LayerRole, &str); 7] = [
     (LayerRole::Door, "door tuer tur tueren turen =porte puerta =porta deur deuren ~turen ~tueren"),
     (
         LayerRole::Structure,
-        "cols column pillar pier struct bearing concrete conc shear core extr exterior external outer stutze \
-         stuetze saule saeule pfeiler rohbau beton =aussen aussenw ausenw tragend poteau porteur exterieur pilar \
-         columna estructura colonna colonne pilastro struttura esterno esterni portante kolom buitenm buitenw \
-         draagm dragend constructie ~stutzen ~stuetzen ~rohbau ~beton ~aussenwand ~aussenwande ~aussenwaende \
-         ~buitenmuur ~buitenmuren",
+        "col column ext pillar pier struct bearing concrete conc shear core extr exterior external outer \
+         stutze stuetze saule saeule pfeiler rohbau beton =aussen aussenw ausenw tragend poteau porteur \
+         exterieur pilar columna estructura colonna colonne pilastro struttura esterno esterni portante \
+         kolom buitenm buitenw draagm dragend constructie ~stutzen ~stuetzen ~rohbau ~beton ~aussenwand \
+         ~aussenwande ~aussenwaende ~buitenmuur ~buitenmuren",
     ),
     (
         LayerRole::Partition,
-        "partition partn drywall gypsum stud fitout fit_out ausbau trockenbau leichtbau trennw vormauer \
-         vorsatz gipskarton doublage nichttragend cloison tabique tabiqueria tramezz tramezzo cartongesso scheidingsw \
-         ~trockenbau ~trennwand ~trennwande ~vormauerung ~vormauerungen ~leichtbauwand",
+        "partition partn prtn part drywall gypsum stud fitout fit_out ausbau trockenbau leichtbau trennw \
+         vormauer vorsatz gipskarton doublage nichttragend cloison tabique tabiqueria tramezz tramezzo \
+         cartongesso scheidingsw ~trockenbau ~trennwand ~trennwande ~vormauerung ~vormauerungen \
+         ~leichtbauwand",
     ),
     (
         LayerRole::Wall,
@@ -327,7 +329,7 @@ mod tests {
             ("B-Glaswand Neu", LayerRole::Glazing),
             ("A-FURN", LayerRole::Wall),
             ("Innenturen", LayerRole::Wall),
-            ("S-COLS", LayerRole::Structure),
+            ("S-COLS", "S-COL", "MURS_EXT", LayerRole::Structure),
         ] {
             assert_eq!(roles.of(name), Some(wanted), "{name}");
         }

@@ -2,9 +2,9 @@
 //!
 //! A wall of a drawing is two parallel lines with caps, a window a few lines between jambs. Free pixels from which no
 //! free square of [`CAVITY_M`] can be reached are such cavities. Lines often end a little before the next wall: where no
-//! free square of [`OPEN_CAVITY_M`] fits and lines are around but for [`MOST_OPEN`] of the rim, is a cavity as well. One with much
-//! glazing around it is glazing, any other is wall. The lines that close a glazing cavity towards the room (sills,
-//! frames) become glazing too.
+//! free square of [`OPEN_CAVITY_M`] fits and lines are around but for [`MOST_OPEN`] of the rim, is a cavity as well.
+//! One with much glazing around it is glazing, any other is wall. The lines that close a glazing cavity towards the
+//! room (sills, frames) become glazing too.
 
 use super::bits::Bits;
 use super::pieces::{Pieces, Run, Touch};
@@ -63,7 +63,7 @@ struct Rim {
 
 impl Rim {
     fn add(&mut self, raster: &PlanRaster, narrow: &Bits, run: &Run) {
-        let mut look = |x: u32, y: u32| {
+        run.beside(|x, y| {
             if raster.is_window(x, y) {
                 self.windows += 1;
             } else if raster.is_wall(x, y) {
@@ -71,13 +71,7 @@ impl Rim {
             } else if !narrow.get(x, y) {
                 self.open += 1;
             }
-        };
-        look(run.from.wrapping_sub(1), run.y);
-        look(run.to, run.y);
-        for x in run.from..run.to {
-            look(x, run.y.wrapping_sub(1));
-            look(x, run.y + 1);
-        }
+        });
     }
 
     fn is_closed(&self) -> bool {

@@ -59,7 +59,8 @@ pub const DEFAULT_RED_EXCESS: u8 = 60;
 /// The location of a plan and how to read it.
 #[derive(Debug, Clone)]
 pub struct PlanOptions {
-    /// An image, a ROS `map_server` description ending in `.yaml` or `.yml`, or a drawing ending in `.dxf`, `.dwg`, `.svg` or `.pdf`.
+    /// An image, a ROS `map_server` description ending in `.yaml` or `.yml`, or a drawing ending in `.dxf`, `.dwg`,
+    /// `.svg` or `.pdf`.
     pub plan: PathBuf,
     /// An image of the same size with the walls alone; glazing is what the plan has beyond it.
     pub walls: Option<PathBuf>,
@@ -164,6 +165,7 @@ impl Imported {
 /// # Errors
 /// As [`load`].
 pub fn import(options: &PlanOptions) -> Result<Imported, PlanImportError> {
+    check_options(options)?;
     match DrawingFormat::of(&options.plan) {
         Some(format) => import_drawing(options, format),
         None => load_image(options).map(|(plan, notes)| Imported::image(plan, notes)),
@@ -286,6 +288,28 @@ fn description_beside(options: &PlanOptions) -> Option<PlanNote> {
         resolution_m: map.resolution_m,
         taken_m,
     })
+}
+
+/// Refuses options that mean nothing for the format: a plan would be another than the caller thinks.
+fn check_options(options: &PlanOptions) -> Result<(), PlanImportError> {
+    let DrawingOptions { layers, unit_m, scale, page, .. } = &options.drawing;
+    let format = DrawingFormat::of(&options.plan);
+    let (is_drawing, is_page) = (format.is_some(), format.is_some_and(DrawingFormat::is_page));
+    let refused = [
+        (options.walls.is_some() && is_drawing, "--walls"),
+        (!layers.told.is_empty() && !is_drawing, "--layers-wall and its like"),
+        (unit_m.is_some() && !is_drawing, "--unit"),
+        (scale.is_some() && !is_page, "--scale"),
+        (*page != 1 && format != Some(DrawingFormat::Pdf), "--page"),
+    ];
+    match refused.into_iter().find(|(is_refused, _)| *is_refused) {
+        None => Ok(()),
+        Some((_, option)) => Err(PlanImportError::Option {
+            path: options.plan.clone(),
+            option,
+            format: format.map_or("an image", DrawingFormat::name),
+        }),
+    }
 }
 
 /// A plan from a vector drawing.

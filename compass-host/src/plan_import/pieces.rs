@@ -21,6 +21,19 @@ pub(super) struct Run {
     pub(super) piece: usize,
 }
 
+impl Run {
+    /// Calls `look` with every pixel that shares a side with one of the run, the run's own ends apart; columns and rows
+    /// beyond the mask wrap around to large numbers.
+    pub(super) fn beside(&self, mut look: impl FnMut(u32, u32)) {
+        look(self.from.wrapping_sub(1), self.y);
+        look(self.to, self.y);
+        for x in self.from..self.to {
+            look(x, self.y.wrapping_sub(1));
+            look(x, self.y + 1);
+        }
+    }
+}
+
 /// Size and place of a piece, in pixels.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Piece {

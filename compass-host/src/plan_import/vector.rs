@@ -22,7 +22,7 @@ const MOST_PIXELS: f64 = 4e8;
 /// Most pixels along a side.
 const MOST_SIDE: f64 = 65_535.0;
 /// Sides in metres outside which the unit of a drawing is doubtful.
-const LIKELY_SIDE_M: std::ops::RangeInclusive<f64> = 2.5..=3000.0;
+const LIKELY_SIDE_M: std::ops::RangeInclusive<f64> = 2.5..=500.0;
 
 /// A drawing as plan.
 pub(super) struct Vector {
