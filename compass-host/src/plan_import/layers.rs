@@ -240,6 +240,10 @@ mod tests {
                 R::Structure,
                 &[
                     "S-COLS",
+                    "S-COL",
+                    "MURS_EXT",
+                    "Stahlbeton",
+                    "Wand aussen",
                     "A-COLS",
                     "A-WALL-EXTR",
                     "010 Aussenwände",
@@ -261,6 +265,7 @@ mod tests {
                     "AUSBAU",
                     "Trockenbau",
                     "A-WALL-PARTN",
+                    "A-WALL-PRTN",
                     "019 Vormauerungen",
                     "Cloisons",
                     "Partition walls",
@@ -298,6 +303,7 @@ mod tests {
                     "A-FLOR-STRS",
                     "Defpoints",
                     "A-WALL-PATT",
+                    "A-WALL-DEMO",
                     "Wand-Schraffur-Text",
                     "HATCH",
                 ],
@@ -329,7 +335,7 @@ mod tests {
             ("B-Glaswand Neu", LayerRole::Glazing),
             ("A-FURN", LayerRole::Wall),
             ("Innenturen", LayerRole::Wall),
-            ("S-COLS", "S-COL", "MURS_EXT", LayerRole::Structure),
+            ("S-COLS", LayerRole::Structure),
         ] {
             assert_eq!(roles.of(name), Some(wanted), "{name}");
         }
