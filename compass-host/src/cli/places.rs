@@ -6,7 +6,7 @@ use compass_host::interior::Places;
 #[derive(Debug, Clone, clap::Args)]
 pub(super) struct PlacesArgs {
     /// A point inside, in map metres: inside is what one can reach from it, and nothing else; may be repeated [default: the enclosed part of the plan]
-    #[arg(long, value_name = "X,Y", value_parser = point, allow_hyphen_values = true)]
+    #[arg(long, value_name = "X,Y", value_parser = pair, allow_hyphen_values = true)]
     inside: Vec<[f64; 2]>,
     /// A rectangle in map metres: all that is free in it is inside, enclosed or not; may be repeated
     #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = rectangle, allow_hyphen_values = true)]
@@ -19,8 +19,8 @@ impl PlacesArgs {
     }
 }
 
-/// Parses a point, `X,Y`.
-fn point(text: &str) -> Result<[f64; 2], String> {
+/// Parses two finite numbers, `X,Y`.
+pub(super) fn pair(text: &str) -> Result<[f64; 2], String> {
     numbers(text).ok_or_else(|| format!("'{text}' is not two numbers X,Y"))
 }
 
@@ -30,7 +30,7 @@ fn rectangle(text: &str) -> Result<[f64; 4], String> {
 }
 
 /// Exactly `N` finite numbers with commas between them.
-fn numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
+pub(super) fn numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
     let number = |value: &str| value.trim().parse().ok().filter(|value: &f64| value.is_finite());
     let values: Option<Vec<f64>> = text.split(',').map(number).collect();
     values?.try_into().ok()

@@ -1,7 +1,8 @@
 //! The options that every command with a plan shares.
 
 use super::notes::note;
-use super::places::PlacesArgs;
+pub(super) use super::places::pair;
+use super::places::{PlacesArgs, numbers};
 use super::progress::Waiting;
 use anyhow::{Context as _, Result, bail};
 use compass_core::base::scan::Scan;
@@ -218,13 +219,6 @@ impl PoseOnPlan {
     }
 }
 
-/// Parses two finite numbers, `X,Y`.
-pub(super) fn pair(text: &str) -> Result<[f64; 2], String> {
-    let wanted = || format!("'{text}' is not two numbers X,Y");
-    let (x, y) = text.split_once(',').ok_or_else(wanted)?;
-    Ok([finite(x.trim()).map_err(|_| wanted())?, finite(y.trim()).map_err(|_| wanted())?])
-}
-
 /// Parses two whole numbers, `WxH`.
 pub(super) fn size(text: &str) -> Result<(u32, u32), String> {
     let sides = text.split_once('x').and_then(|(w, h)| w.parse().ok().zip(h.parse().ok()));
@@ -235,8 +229,7 @@ pub(super) fn size(text: &str) -> Result<(u32, u32), String> {
 /// Metres per pixel from two points in pixels and the metres between them, `X1,Y1,X2,Y2,METRES`.
 fn metres_per_pixel(text: &str) -> Result<f64, String> {
     let wanted = || format!("'{text}' is not two pixels and the metres between them, X1,Y1,X2,Y2,METRES");
-    let values: Result<Vec<f64>, _> = text.split(',').map(|value| finite(value.trim())).collect();
-    let &[x1, y1, x2, y2, metres] = values.map_err(|_| wanted())?.as_slice() else { return Err(wanted()) };
+    let [x1, y1, x2, y2, metres] = numbers(text).ok_or_else(wanted)?;
     let pixels = (x2 - x1).hypot(y2 - y1);
     if pixels < 1.0 || metres <= 0.0 {
         return Err(format!("'{text}': the points must be a pixel or more apart, and the metres above 0"));

@@ -108,9 +108,9 @@ impl ShowPlan {
 
 fn output(imported: &Imported, inside: &Inside, suspicious: usize) -> Output {
     let plan = &imported.plan;
-    let [wall_m, glazing_m] = survey::lengths_m(plan).map(Decimal);
+    let walls = survey::wall_thickness(plan);
     let side = |pixels: u32| Decimal(f64::from(pixels) * plan.resolution_m);
-    let thickness = survey::wall_thickness(plan).into_iter().map(|class| Thickness {
+    let thickness = walls.iter().map(|class| Thickness {
         from_m: Decimal(class.from_m),
         to_m: class.to_m.is_finite().then_some(Decimal(class.to_m)),
         length_m: Decimal(class.length_m),
@@ -136,8 +136,8 @@ fn output(imported: &Imported, inside: &Inside, suspicious: usize) -> Output {
         area_m2: found.map(|(interior, _)| Decimal(interior.area_m2())),
         max_gap_m: found.map(|(interior, _)| Decimal(interior.max_gap_m())),
         candidates: found.map_or(0, |(_, candidates)| candidates.len()),
-        wall_m,
-        glazing_m,
+        wall_m: Decimal(survey::length_m(&walls)),
+        glazing_m: Decimal(survey::length_m(&survey::glazing_thickness(plan))),
         wall_thickness: thickness.collect(),
         structure: imported.has_structure(),
         door_count: imported.doors.as_ref().map(survey::piece_count),

@@ -78,6 +78,13 @@ pub(crate) enum DrawingError {
     TooLarge,
 }
 
+/// What a reader of other people's code makes of a stranger's file: its panic is an error of the file.
+#[cfg(any(feature = "cad", feature = "drawings"))]
+fn guarded<T>(read: impl FnOnce() -> Result<T, DrawingError>) -> Result<T, DrawingError> {
+    std::panic::catch_unwind(std::panic::AssertUnwindSafe(read))
+        .unwrap_or_else(|_| Err(DrawingError::Syntax("the reader gave up".into())))
+}
+
 impl Drawing {
     /// The index of a layer, made where there is none of that name yet.
     pub(crate) fn layer(&mut self, name: &str) -> usize {

@@ -1,7 +1,7 @@
 //! PDF: lines and areas of a page by optional-content layer, else by colour. Text and images are left out.
 
 use super::curve::Outline;
-use super::{Drawing, DrawingError, Paint, Shape};
+use super::{Drawing, DrawingError, Paint, Shape, guarded};
 use hayro_interpret::hayro_syntax::Pdf;
 use hayro_interpret::hayro_syntax::object::{Dict, String as PdfString};
 use hayro_interpret::kurbo::{Affine, BezPath, PathEl, Point, Rect};
@@ -9,7 +9,6 @@ use hayro_interpret::{
     BlendMode, ClipPath, Context, Device, DrawMode, DrawProps, Image, ImageDrawProps, InterpreterCache,
     InterpreterSettings, Paint as PdfPaint, SoftMask, TransformExt, font::GlyphRun, interpret_page,
 };
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 /// Longest file in bytes.
@@ -20,9 +19,7 @@ const MAX_BYTES: u64 = 500 << 20;
 /// # Errors
 /// [`DrawingError`]: no PDF, one too large, or without that page.
 pub(crate) fn read(path: &Path, page: usize) -> Result<Drawing, DrawingError> {
-    // The interpreter is other people's code, fed with strangers' files: its panic is an error of the file.
-    let read = catch_unwind(AssertUnwindSafe(|| interpret(path, page)));
-    read.map_err(|_| DrawingError::Syntax("the reader gave up".into()))?
+    guarded(|| interpret(path, page))
 }
 
 fn interpret(path: &Path, number: usize) -> Result<Drawing, DrawingError> {

@@ -18,18 +18,19 @@ pub(super) struct Painter<'a> {
 }
 
 impl Painter<'_> {
-    /// The walls that are `wanted` and all glazing, with solid walls.
-    pub(super) fn solid(&self, wanted: impl Fn(LayerRole) -> bool) -> PlanRaster {
-        let of = |wanted: &dyn Fn(LayerRole) -> bool| -> Vec<&Shape> {
-            self.kept.iter().copied().filter(|shape| self.role(shape).is_some_and(wanted)).collect()
-        };
-        let mut raster = self.frame.empty();
-        paint::walls(&mut raster, self.frame, &of(&wanted));
-        // Glazing between its own lines first: it replaces a wall that is drawn through it.
+    /// All glazing, filled between its own lines.
+    pub(super) fn panes(&self) -> PlanRaster {
         let mut panes = self.frame.empty();
-        paint::glazing(&mut panes, self.frame, &of(&|role| role == LayerRole::Glazing));
+        paint::glazing(&mut panes, self.frame, &self.of(|role| role == LayerRole::Glazing));
         line_walls::fill(&mut panes);
-        raster.glaze(&panes);
+        panes
+    }
+
+    /// The walls that are `wanted`, solid, and the `panes`, which replace a wall that is drawn through them.
+    pub(super) fn solid(&self, panes: &PlanRaster, wanted: impl Fn(LayerRole) -> bool) -> PlanRaster {
+        let mut raster = self.frame.empty();
+        paint::walls(&mut raster, self.frame, &self.of(wanted));
+        raster.glaze(panes);
         line_walls::fill(&mut raster);
         let areas = self.door_areas();
         paint::clear(&mut raster, self.frame, &areas.iter().collect::<Vec<_>>());
@@ -45,11 +46,11 @@ impl Painter<'_> {
     }
 
     /// What the layers say of the structure, if they do.
-    pub(super) fn bearing(&self) -> Option<Bearing> {
+    pub(super) fn bearing(&self, panes: &PlanRaster) -> Option<Bearing> {
         let has_structure = self.has(LayerRole::Structure);
         (has_structure || self.has(LayerRole::Partition)).then(|| Bearing {
-            certain: has_structure.then(|| self.solid(|role| role == LayerRole::Structure)),
-            possible: self.solid(|role| matches!(role, LayerRole::Structure | LayerRole::Wall)),
+            certain: has_structure.then(|| self.solid(panes, |role| role == LayerRole::Structure)),
+            possible: self.solid(panes, |role| matches!(role, LayerRole::Structure | LayerRole::Wall)),
         })
     }
 
@@ -72,6 +73,10 @@ impl Painter<'_> {
         let mut left_out = self.frame.empty();
         paint::walls(&mut left_out, self.frame, &outlines.iter().collect::<Vec<_>>());
         left_out
+    }
+
+    fn of(&self, wanted: impl Fn(LayerRole) -> bool) -> Vec<&Shape> {
+        self.kept.iter().copied().filter(|shape| self.role(shape).is_some_and(&wanted)).collect()
     }
 
     fn role(&self, shape: &Shape) -> Option<LayerRole> {

@@ -39,10 +39,16 @@ pub fn wall_thickness(plan: &PlanRaster) -> Vec<ThicknessClass> {
     by_thickness(&plan.walls, plan)
 }
 
-/// The length of all walls, and of all glazing, in metres, about.
+/// Glazing by thickness, thinnest first.
 #[must_use]
-pub fn lengths_m(plan: &PlanRaster) -> [f64; 2] {
-    [&plan.walls, &plan.windows].map(|mask| by_thickness(mask, plan).iter().map(|class| class.length_m).sum())
+pub fn glazing_thickness(plan: &PlanRaster) -> Vec<ThicknessClass> {
+    by_thickness(&plan.windows, plan)
+}
+
+/// The length of all classes together, in metres, about.
+#[must_use]
+pub fn length_m(classes: &[ThicknessClass]) -> f64 {
+    classes.iter().map(|class| class.length_m).sum()
 }
 
 fn by_thickness(mask: &[u8], plan: &PlanRaster) -> Vec<ThicknessClass> {
@@ -122,7 +128,8 @@ mod tests {
             assert!((length(thickness) / metres - 1.0).abs() < 0.25, "{thickness}: {}", length(thickness));
         }
         assert_eq!(length(0.5), 0.0);
-        let [walls, glazing] = lengths_m(&plan);
+        let [walls, glazing] =
+            [wall_thickness(&plan), glazing_thickness(&plan)].map(|classes| length_m(&classes));
         assert!((walls - 21.0).abs() < 4.0 && glazing == 0.0, "{walls}");
     }
 

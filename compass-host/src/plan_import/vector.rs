@@ -68,9 +68,16 @@ pub(super) fn import(
     let frame = frame(path, extent, resolution_m, origin, &mut notes)?;
 
     let painter = Painter { drawing: &drawing, roles: &roles, frame: &frame, kept };
+    // Where colours tell, no layer is known as structure either.
+    let (plan, bearing) = if by_colour {
+        (painter.in_order(), None)
+    } else {
+        let panes = painter.panes();
+        (painter.solid(&panes, LayerRole::is_wall), painter.bearing(&panes))
+    };
     Ok(Vector {
-        plan: if by_colour { painter.in_order() } else { painter.solid(LayerRole::is_wall) },
-        bearing: painter.bearing(),
+        plan,
+        bearing,
         doors: painter.doors(),
         left_out: options.with_left_out.then(|| painter.left_out()),
         layers: summary(&drawing, &roles),

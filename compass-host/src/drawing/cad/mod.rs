@@ -8,10 +8,9 @@ mod shapes;
 mod walk;
 
 use super::unit::Unit;
-use super::{Drawing, DrawingError};
+use super::{Drawing, DrawingError, guarded};
 use acadrust::{CadDocument, DwgReadOptions, DwgReader, DxfReader};
 use std::io::Read as _;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use walk::Walk;
 
@@ -23,9 +22,7 @@ const MAX_UNPACKED_BYTES: usize = 2 << 30;
 /// # Errors
 /// [`DrawingError`]: a file that is not of its format, or one too large.
 pub(crate) fn read(path: &Path, told: Option<Unit>) -> Result<Drawing, DrawingError> {
-    // The reader is other people's code, fed with strangers' files: its panic is an error of the file.
-    let parsed = catch_unwind(AssertUnwindSafe(|| parse(path)));
-    let document = parsed.map_err(|_| DrawingError::Syntax("the reader gave up".into()))??;
+    let document = guarded(|| parse(path))?;
     let unit = told.or_else(|| Unit::of_insertion_units(document.header.insertion_units));
     let mut walk = Walk::new(&document, unit);
     walk.model_space()?;
