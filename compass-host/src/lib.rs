@@ -41,7 +41,7 @@
 //! | module | what it owns |
 //! |---|---|
 //! | [`progress`], [`clock`] | progress and times of long work |
-//! | [`output`] | files that are whole or absent, numbers of results |
+//! | [`temporary`], [`output`] | temporary files; files that are whole or absent, numbers of results |
 //! | [`image_file`], [`frame`] | decoded images, camera frames, their line segments |
 //! | [`interior`] | which places of a plan are indoors |
 //! | [`plan_import`] | plan files as rasters of walls and glazing |
@@ -93,6 +93,7 @@ pub mod sample;
 pub mod simulate;
 pub mod site;
 pub mod site_file;
+pub mod temporary;
 pub mod up;
 pub mod up_by_plan;
 pub mod visual_descriptor;

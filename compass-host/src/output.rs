@@ -1,5 +1,6 @@
 //! Files that are written atomically, and the numbers of machine-readable results.
 
+use crate::temporary::Temporary;
 use compass_core::map::site_map::Sink;
 use serde::{Serialize, Serializer};
 use std::io::{self, Write as _};
@@ -105,10 +106,9 @@ fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
     };
-    let mut file = builder().tempfile_in(directory).map_err(|e| plain(&e))?;
-    file.write_all(bytes)?;
-    file.persist(path).map_err(|e| plain(&e.error))?;
-    Ok(())
+    let mut file = Temporary::file_in(directory, &builder()).map_err(|e| plain(&e))?;
+    file.writer().write_all(bytes)?;
+    file.persist(path).map_err(|e| plain(&e))
 }
 
 /// The system's message alone: the error of `tempfile` names a temporary path that the user does not know.

@@ -3,10 +3,15 @@
 use compass_host::calibration::{Calibration, NOMINAL_YAML};
 use compass_host::dataset::recording::{Recording, Topics};
 use compass_host::dataset::tum::{self, Pose};
+use compass_host::progress::{Progress, Steps};
 use compass_tests::bag::{Bag, Layout};
+#[cfg(unix)]
+use compass_tests::compass;
 use compass_tests::{Folder, number};
 use serde_json::Value;
 use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 const IMAGE: &str = "sensor_msgs/msg/Image";
 const COMPRESSED: &str = "sensor_msgs/msg/CompressedImage";
@@ -480,6 +485,67 @@ fn a_bag_is_evaluated_as_its_frames_in_a_folder() {
         assert!(ran.stderr.contains(named), "{line}: {}", ran.stderr);
     }
     assert_eq!(folder.names(), before);
+}
+
+/// Ctrl-C ends a run with the status that shells use for it, and leaves no copy of a packed bag behind.
+#[test]
+#[cfg(unix)]
+fn an_interrupted_run_leaves_no_copies() {
+    let folder = recording();
+    bag_of(&folder, false).write(&folder.path("bag"), Layout::SqlitePackedFiles);
+    std::fs::create_dir(folder.path("tmp")).unwrap();
+    let copies = || std::fs::read_dir(folder.path("tmp")).unwrap().count();
+    let line = "evaluate --map sample.site --calib rig.yaml --groundtruth poses.tum --dataset bag --out out --jobs 1";
+    let mut command = std::process::Command::new(compass());
+    command.args(line.split_whitespace()).current_dir(folder.path("")).env("TMPDIR", folder.path("tmp"));
+    let mut running = command.spawn().unwrap();
+    while copies() == 0 {
+        assert!(running.try_wait().unwrap().is_none(), "it ended without a copy");
+        std::thread::yield_now();
+    }
+    let kill = ["-INT".to_owned(), running.id().to_string()];
+    assert!(std::process::Command::new("kill").args(kill).status().unwrap().success());
+    assert_eq!((running.wait().unwrap().code(), copies()), (Some(130), 0));
+}
+
+/// Progress is of as many messages as there are, with metadata and without.
+#[test]
+fn progress_reaches_its_end() {
+    let folder = tempfile::tempdir().unwrap();
+    for (layout, has_metadata) in [(Layout::Sqlite, true), (Layout::Sqlite, false), (Layout::McapZstd, false)]
+    {
+        let path = folder.path().join(format!("{layout:?} {has_metadata}"));
+        small().write(&path, layout);
+        if !has_metadata {
+            std::fs::remove_file(path.join("metadata.yaml")).unwrap();
+        }
+        let counted = Counted::default();
+        Recording::read_with_progress(&path, None, &Calibration::nominal(), &counted).unwrap();
+        let Counted { total, done } = counted;
+        assert_eq!((total.into_inner(), done.load(Ordering::Relaxed)), (15, 15), "{layout:?} {has_metadata}");
+    }
+}
+
+/// Counts the steps of the work that it is told of.
+#[derive(Default)]
+struct Counted {
+    total: AtomicUsize,
+    done: Arc<AtomicUsize>,
+}
+
+impl Progress for Counted {
+    fn begin(&self, total: usize, _: &'static str) -> Box<dyn Steps> {
+        self.total.store(total, Ordering::Relaxed);
+        Box::new(Counter(Arc::clone(&self.done)))
+    }
+}
+
+struct Counter(Arc<AtomicUsize>);
+
+impl Steps for Counter {
+    fn step(&self) {
+        self.0.fetch_add(1, Ordering::Relaxed);
+    }
 }
 
 /// On its side the IMU disagrees with the image, which the frame reports.

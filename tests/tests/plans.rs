@@ -258,7 +258,7 @@ fn two_points_and_their_distance_tell_the_scale() {
         ("4,100,4,100,9.6", "a pixel or more apart"),
         ("4,100,196,100,0", "the metres above 0"),
         ("4,100,196,100", "X1,Y1,X2,Y2,METRES"),
-        ("4,100,196,100,9.6 --resolution 0.05", "say the same of an image"),
+        ("4,100,196,100,9.6 --resolution 0.05", "--scale-points and --resolution say the same of an image"),
     ] {
         let refused = folder.run(&format!("describe plan.png {AT} {told} {points}"));
         assert!(refused.status == Some(2) && refused.stderr.contains(named), "{points}: {}", refused.stderr);

@@ -1,6 +1,8 @@
 //! The outcome of a command as the exit status of the process.
 
+use super::notes::note;
 use compass_host::locator::SeeError;
+use compass_host::temporary;
 use std::process::ExitCode;
 
 /// The outcome of the work.
@@ -21,6 +23,8 @@ enum Status {
     No = 1,
     /// Bad input or usage; clap uses the same for bad usage.
     BadInput = 2,
+    /// Ctrl-C, or the system asked the process to end; shells use it for that.
+    Interrupted = 130,
 }
 
 impl From<Outcome> for Status {
@@ -49,6 +53,18 @@ impl From<&anyhow::Error> for Status {
             return Self::No;
         }
         error.downcast_ref::<SeeError>().map_or(Self::BadInput, Self::from)
+    }
+}
+
+/// Removes temporary files before the process ends because of Ctrl-C or because the system asks it to.
+pub(super) fn clean_up_when_interrupted() {
+    let handled = ctrlc::set_handler(|| {
+        temporary::remove_all();
+        std::process::exit(Status::Interrupted as i32);
+    });
+    if let Err(error) = handled {
+        // Without it the command does the same work; only an interrupted one leaves files.
+        note(&format!("temporary files are left behind when interrupted: {error}"));
     }
 }
 

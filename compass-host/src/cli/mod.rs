@@ -96,5 +96,6 @@ impl Cli {
 
 /// Runs the command line of the process.
 pub(crate) fn main() -> ExitCode {
+    exit::clean_up_when_interrupted();
     exit::code(Cli::parse().run())
 }

@@ -4,7 +4,7 @@ use super::notes::note;
 pub(super) use super::places::pair;
 use super::places::{PlacesArgs, numbers};
 use super::progress::Waiting;
-use anyhow::{Context as _, Result, bail};
+use anyhow::{Context as _, Result};
 use compass_core::base::scan::Scan;
 use compass_host::interior::Places;
 use compass_host::plan_import::{
@@ -84,7 +84,7 @@ struct Layers {
     #[arg(long, value_name = "UNIT", value_parser = unit)]
     unit: Option<f64>,
     /// Scale of a drawing on paper, .svg or .pdf
-    #[arg(long, value_name = "1:N", value_parser = scale, conflicts_with_all = ["unit", "scale_points"])]
+    #[arg(long, value_name = "1:N", value_parser = scale)]
     scale: Option<f64>,
     /// Page of a .pdf
     #[arg(long, value_name = "N", default_value_t = 1)]
@@ -115,12 +115,6 @@ impl Layers {
 impl Reading {
     /// Reads a plan; what a user should know of it goes to standard error. `with_left_out`: for a picture of it.
     fn import(&self, plan: &Path, with_left_out: bool) -> Result<Imported> {
-        let is_page = plan
-            .extension()
-            .is_some_and(|end| end.eq_ignore_ascii_case("svg") || end.eq_ignore_ascii_case("pdf"));
-        if self.scale_points.is_some() && self.resolution.is_some() && !is_page {
-            bail!("{}: --scale-points and --resolution say the same of an image; give one", plan.display());
-        }
         let mut options = PlanOptions::new(plan);
         options.walls.clone_from(&self.walls);
         options.resolution_m = self.resolution;

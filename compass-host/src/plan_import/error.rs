@@ -82,6 +82,24 @@ pub enum PlanImportError {
         /// The format.
         format: &'static str,
     },
+    /// Two options that say the same of the plan.
+    #[error("{}: {} and {} say the same of {format}; give one", path.display(), options[0], options[1])]
+    Repeated {
+        /// The plan.
+        path: PathBuf,
+        /// The options, by their names on the command line.
+        options: [&'static str; 2],
+        /// The format.
+        format: &'static str,
+    },
+    /// The file is of a format that is not read, or not under this name.
+    #[error("{}: {what}", path.display())]
+    Foreign {
+        /// The file.
+        path: PathBuf,
+        /// What it is, and what to do with it.
+        what: &'static str,
+    },
     /// Nothing tells the scale of a drawing on paper.
     #[error("{}: nothing tells its scale: add --scale 1:100, or --scale-points X1,Y1,X2,Y2,METRES", path.display())]
     Scale {

@@ -13,6 +13,7 @@ mod clusters;
 #[cfg_attr(not(all(feature = "cad", feature = "drawings")), allow(dead_code))]
 mod drawing_file;
 mod error;
+mod foreign;
 mod ink;
 mod layers;
 mod line_walls;
@@ -37,7 +38,7 @@ pub use summary::{DrawingOptions, LayerSummary};
 
 use std::path::{Path, PathBuf};
 
-use crate::image_file::{self, Pixels};
+use crate::image_file::{self, DecodeError, ImageFileError, Pixels};
 use crate::interior::Places;
 use classify::Masks;
 use drawing_file::DrawingFormat;
@@ -178,11 +179,11 @@ fn load_image(options: &PlanOptions) -> Result<(PlanRaster, Vec<PlanNote>), Plan
     let mut notes = Vec::from_iter(note);
     check_resolution(&options.plan, resolution_m)?;
     check_origin(&options.plan, origin)?;
-    let plan = image_file::read(&image)?;
+    let plan = read_image(&image)?;
     let mut masks = match &options.walls {
         None => classify::one_image(&plan, &ink),
         Some(path) => {
-            let walls = image_file::read(path)?;
+            let walls = read_image(path)?;
             check_pair(&image, &plan, path, &walls)?;
             check_colours(path, &walls)?;
             classify::pair(&plan, &walls, &ink)
@@ -216,6 +217,15 @@ fn load_image(options: &PlanOptions) -> Result<(PlanRaster, Vec<PlanNote>), Plan
             wanted: "the turned map would have more than 65535 pixels on a side",
         }),
     }
+}
+
+/// Decodes an image; the error says what the file is instead, where that is known.
+fn read_image(path: &Path) -> Result<Pixels, PlanImportError> {
+    image_file::read(path).map_err(|error| {
+        let is_image = !matches!(&error, ImageFileError::Decode { problem: DecodeError::NotAnImage, .. });
+        let what = if is_image { None } else { foreign::recognise(path) };
+        what.map_or(error.into(), |what| PlanImportError::Foreign { path: path.to_path_buf(), what })
+    })
 }
 
 /// The plan image and how to read it, after merging options, map description and defaults.
@@ -302,13 +312,20 @@ fn check_options(options: &PlanOptions) -> Result<(), PlanImportError> {
         (scale.is_some() && !is_page, "--scale"),
         (*page != 1 && format != Some(DrawingFormat::Pdf), "--page"),
     ];
-    match refused.into_iter().find(|(is_refused, _)| *is_refused) {
+    let by_points = options.scale_points_m.is_some();
+    let repeated = [
+        (by_points && !is_drawing && options.resolution_m.is_some(), ["--scale-points", "--resolution"]),
+        (by_points && is_drawing && unit_m.is_some(), ["--scale-points", "--unit"]),
+        (by_points && scale.is_some(), ["--scale-points", "--scale"]),
+        (unit_m.is_some() && scale.is_some(), ["--unit", "--scale"]),
+    ];
+    let (path, format) = (options.plan.clone(), format.map_or("an image", DrawingFormat::name));
+    if let Some((_, option)) = refused.into_iter().find(|(is_so, _)| *is_so) {
+        return Err(PlanImportError::Option { path, option, format });
+    }
+    match repeated.into_iter().find(|(is_so, _)| *is_so) {
+        Some((_, options)) => Err(PlanImportError::Repeated { path, options, format }),
         None => Ok(()),
-        Some((_, option)) => Err(PlanImportError::Option {
-            path: options.plan.clone(),
-            option,
-            format: format.map_or("an image", DrawingFormat::name),
-        }),
     }
 }
 

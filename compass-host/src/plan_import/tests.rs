@@ -317,7 +317,8 @@ fn files_that_are_no_plan_are_named() {
     assert!(message.starts_with("/nowhere/plan.png: cannot be read: "), "{message}");
     assert!(complaint(import(b"hello, this is text")).contains("plan.img: not a PNG"));
     assert!(complaint(import(b"")).contains("not a PNG"));
-    assert!(complaint(import(b"GIF89a\x01\x00\x01\x00")).contains("not a PNG"));
+    assert!(complaint(import(b"GIF89a\x01\x00\x01\x00")).contains("plan.img: this is a GIF image"));
+    assert!(complaint(import(b"ISO-10303-21;\nHEADER;")).contains("plan.img: this is an IFC"));
     let grey = RgbImage::from_pixel(9, 9, Rgb([200, 200, 199]));
     assert!(complaint(import(&png(&grey.into()))).contains("every pixel is #c8c8c7"));
     let black = GrayImage::from_pixel(9, 9, Luma([0]));

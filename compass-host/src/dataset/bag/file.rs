@@ -1,6 +1,7 @@
 //! The files of a bag, recognised by their content.
 
 use super::sqlite_file;
+use crate::temporary::Temporary;
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
@@ -64,9 +65,9 @@ pub(super) struct BagFile {
 #[derive(Debug)]
 enum Copy {
     /// Of a file that is compressed as a whole: storages need random access.
-    Unpacked(TempPath),
+    Unpacked(Temporary<TempPath>),
     /// Of a database with its write-ahead log.
-    Merged { path: PathBuf, _folder: TempDir },
+    Merged { path: PathBuf, _folder: Temporary<TempDir> },
 }
 
 impl BagFile {
@@ -78,7 +79,7 @@ impl BagFile {
         let mut copy = None;
         if found == Content::Zstd {
             let unpacked = unpack(&name).map_err(|error| format!("zstd: {error}"))?;
-            found = content(&unpacked).map_err(unread)?;
+            found = content(unpacked.path()).map_err(unread)?;
             copy = Some(Copy::Unpacked(unpacked));
         }
         let storage = match found {
@@ -100,17 +101,17 @@ impl BagFile {
     pub(super) fn path(&self) -> &Path {
         match &self.copy {
             None => &self.name,
-            Some(Copy::Unpacked(path)) => path,
+            Some(Copy::Unpacked(file)) => file.path(),
             Some(Copy::Merged { path, .. }) => path,
         }
     }
 }
 
 /// Decompresses a file into a temporary one.
-fn unpack(packed: &Path) -> io::Result<TempPath> {
-    let mut unpacked = tempfile::NamedTempFile::new()?;
-    zstd::stream::copy_decode(File::open(packed)?, &mut unpacked)?;
-    Ok(unpacked.into_temp_path())
+fn unpack(packed: &Path) -> io::Result<Temporary<TempPath>> {
+    let mut unpacked = Temporary::file()?;
+    zstd::stream::copy_decode(File::open(packed)?, unpacked.writer())?;
+    Ok(unpacked.close())
 }
 
 /// The files of a bag in a folder without metadata, in order.

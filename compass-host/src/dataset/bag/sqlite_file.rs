@@ -6,6 +6,7 @@
 
 use super::place::{Found, Place, Take};
 use super::topic::Topic;
+use crate::temporary::Temporary;
 use rusqlite::blob::Blob;
 use rusqlite::{Connection, OpenFlags, Result};
 use std::collections::HashMap;
@@ -23,15 +24,32 @@ pub(super) fn topics(path: &Path) -> Result<Vec<Topic>, String> {
         let rows = statement.query_map([], |row| {
             Ok(Topic { name: row.get(0)?, written_kind: row.get(1)?, format: row.get(2)?, count: 0 })
         })?;
-        rows.collect::<Result<Vec<_>>>()
+        let mut topics = rows.collect::<Result<Vec<_>>>()?;
+        // Only progress needs the counts; what is damaged is found and named by the visit.
+        let _ = count(&database, &mut topics);
+        Ok(topics)
     };
     read().map_err(problem)
+}
+
+/// Counts the messages of the topics.
+fn count(database: &Connection, topics: &mut [Topic]) -> Result<()> {
+    let ids = numbers(database, topics.iter().map(|topic| topic.name.as_str()))?;
+    let mut statement = database.prepare("SELECT topic_id, COUNT(*) FROM messages GROUP BY topic_id")?;
+    let rows = statement.query_map([], |row| Ok((row.get::<_, i64>(0)?, row.get::<_, i64>(1)?)))?;
+    for row in rows {
+        let (id, count) = row?;
+        if let Some(&topic) = ids.get(&id) {
+            topics[topic].count += usize::try_from(count).unwrap_or_default();
+        }
+    }
+    Ok(())
 }
 
 /// Passes the messages of these topics to `take`; the error is about the rest of the file.
 pub(super) fn visit(path: &Path, topics: &[String], take: &mut Take<'_>) -> Result<(), String> {
     let database = open(path).map_err(problem)?;
-    let wanted = numbers(&database, topics).map_err(problem)?;
+    let wanted = numbers(&database, topics.iter().map(String::as_str)).map_err(problem)?;
     let query = "SELECT id, topic_id, timestamp FROM messages ORDER BY id";
     let mut statement = database.prepare(query).map_err(problem)?;
     let mut rows = statement.query([]).map_err(problem)?;
@@ -60,12 +78,12 @@ pub(super) fn fetch(path: &Path, id: i64) -> Result<Vec<u8>, String> {
 }
 
 /// The file with its write-ahead log in a folder of its own, if the log has contents: a reader has to merge it.
-pub(super) fn copy(path: &Path) -> std::io::Result<Option<(TempDir, PathBuf)>> {
+pub(super) fn copy(path: &Path) -> std::io::Result<Option<(Temporary<TempDir>, PathBuf)>> {
     let log = beside(path, "-wal");
     if std::fs::metadata(&log).map_or(0, |data| data.len()) == 0 {
         return Ok(None);
     }
-    let folder = tempfile::tempdir()?;
+    let folder = Temporary::folder()?;
     let database = folder.path().join("bag.db3");
     std::fs::copy(path, &database)?;
     std::fs::copy(log, beside(&database, "-wal"))?;
@@ -106,13 +124,16 @@ fn uri(path: &Path) -> String {
 }
 
 /// The ids of our topics in the file; a split bag may list a topic twice.
-fn numbers(database: &Connection, topics: &[String]) -> Result<HashMap<i64, usize>> {
+fn numbers<'a>(
+    database: &Connection,
+    topics: impl Iterator<Item = &'a str> + Clone,
+) -> Result<HashMap<i64, usize>> {
     let mut statement = database.prepare("SELECT id, name FROM topics")?;
     let rows = statement.query_map([], |row| Ok((row.get::<_, i64>(0)?, row.get::<_, String>(1)?)))?;
     let mut wanted = HashMap::new();
     for row in rows {
         let (id, name) = row?;
-        if let Some(topic) = topics.iter().position(|topic| *topic == name) {
+        if let Some(topic) = topics.clone().position(|topic| topic == name) {
             wanted.insert(id, topic);
         }
     }
