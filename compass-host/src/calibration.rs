@@ -19,6 +19,7 @@
 //! any model.
 
 use crate::image_file::one_line;
+use crate::input;
 use compass_core::vision::camera::{Rig, View};
 use nalgebra::Matrix4;
 use serde_saphyr::NonFiniteFloatPolicy;
@@ -90,7 +91,7 @@ impl Calibration {
     /// [`CalibrationError`]: the file cannot be read or is of another kind, it has none of the cameras, or none that is
     /// valid. A camera whose fields are invalid beside a valid one is refused by [`Self::rig`], when it is asked for.
     pub fn load_cameras(path: &Path, names: &CameraNames) -> Result<Self, CalibrationError> {
-        let bytes = std::fs::read(path)
+        let bytes = input::read(path, input::limits().settings_bytes)
             .map_err(|source| CalibrationError::Read { path: path.to_path_buf(), source })?;
         Self::parse(path, bytes, names)
     }

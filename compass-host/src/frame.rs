@@ -1,6 +1,7 @@
 //! Camera frames: image files as the gray and colour rasters that the core processes.
 
 use crate::image_file::{self, ImageFileError, Pixels, Samples};
+use crate::input::limits;
 use crate::wide::wide;
 use compass_core::base::raster::{BitMask, GrayImage};
 use compass_core::vision::camera::Pixel;
@@ -23,7 +24,7 @@ impl Frame {
     /// # Errors
     /// [`ImageFileError`] for a file that is missing, not an image, damaged, truncated or too large.
     pub fn read(path: &Path) -> Result<Self, ImageFileError> {
-        image_file::read(path).map(Self::from)
+        image_file::read(path, limits().frame_pixels).map(Self::from)
     }
 
     /// A frame of samples in memory; `None` when a side is 0 or above 65535.

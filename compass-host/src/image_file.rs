@@ -1,5 +1,6 @@
 //! Decodes image files to 8-bit gray or RGB; transparency is blended with white.
 
+use crate::input;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
@@ -61,11 +62,23 @@ pub enum DecodeError {
         /// Pixels along y.
         height: u32,
     },
+    /// The image has more pixels than [`input::limits`] allow.
+    #[error(
+        "{width} x {height} pixels are more than the limit of {limit}; --raise-limits {} raises it",
+        (u64::from(*width) * u64::from(*height)).div_ceil((*limit).max(1))
+    )]
+    TooManyPixels {
+        /// Pixels along x.
+        width: u32,
+        /// Pixels along y.
+        height: u32,
+        /// The most that are read.
+        limit: u64,
+    },
 }
 
-/// Memory one decoder may claim: a 16-bit RGBA plan of 20 000 x 20 000 pixels fits, a damaged
-/// header that claims the largest size does not.
-const MAX_DECODED_BYTES: u64 = 4 << 30;
+/// Bytes of the largest pixel: four samples of 16 bits.
+const MAX_PIXEL_BYTES: u64 = 8;
 
 /// The samples of a decoded image, top row first.
 #[derive(Debug)]
@@ -104,33 +117,34 @@ impl Pixels {
     }
 }
 
-/// Decodes the image at `path`; the extension is ignored. It is turned as its orientation in EXIF or TIFF says.
+/// Decodes the image at `path`, of at most `max_pixels`; the extension is ignored. It is turned as its orientation in EXIF
+/// or TIFF says.
 ///
 /// # Errors
 /// [`ImageFileError`] for a file that is missing, not an image, damaged, truncated or too large.
-pub fn read(path: &Path) -> Result<Pixels, ImageFileError> {
-    let bytes =
-        std::fs::read(path).map_err(|source| ImageFileError::Read { path: path.to_path_buf(), source })?;
-    decode(&bytes).map_err(|problem| ImageFileError::Decode { path: path.to_path_buf(), problem })
+pub fn read(path: &Path, max_pixels: u64) -> Result<Pixels, ImageFileError> {
+    let bytes = input::read(path, input::limits().image_bytes)
+        .map_err(|source| ImageFileError::Read { path: path.to_path_buf(), source })?;
+    decode(&bytes, max_pixels).map_err(|problem| ImageFileError::Decode { path: path.to_path_buf(), problem })
 }
 
-/// Decodes the bytes of an image file.
+/// Decodes the bytes of an image file, of at most `max_pixels`: a header that claims more is refused before it is believed.
 ///
 /// # Errors
 /// [`DecodeError`] for bytes that are not an image, damaged, truncated or too large.
-pub fn decode(bytes: &[u8]) -> Result<Pixels, DecodeError> {
+pub fn decode(bytes: &[u8], max_pixels: u64) -> Result<Pixels, DecodeError> {
     let big_tiff = BIG_TIFF.iter().any(|magic| bytes.starts_with(magic)).then_some(ImageFormat::Tiff);
     let format = big_tiff.or_else(|| image::guess_format(bytes).ok()).ok_or(DecodeError::NotAnImage)?;
     if !format.reading_enabled() {
         return Err(DecodeError::NotAnImage);
     }
     if format == ImageFormat::Jpeg && !jpeg_is_ended(bytes) {
-        return jpeg_without_end(bytes);
+        return jpeg_without_end(bytes, max_pixels);
     }
-    decode_as(format, bytes)
+    decode_as(format, bytes, max_pixels)
 }
 
-fn decode_as(format: ImageFormat, bytes: &[u8]) -> Result<Pixels, DecodeError> {
+fn decode_as(format: ImageFormat, bytes: &[u8], max_pixels: u64) -> Result<Pixels, DecodeError> {
     let damaged = |error: ImageError| {
         let reason = one_line(&error.to_string());
         match error {
@@ -140,15 +154,11 @@ fn decode_as(format: ImageFormat, bytes: &[u8]) -> Result<Pixels, DecodeError> {
     };
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     let mut limits = Limits::no_limits();
-    limits.max_alloc = Some(MAX_DECODED_BYTES);
+    limits.max_alloc = Some(max_pixels.saturating_mul(MAX_PIXEL_BYTES));
     reader.limits(limits);
     let mut decoder = reader.into_decoder().map_err(damaged)?;
     let (width, height) = decoder.dimensions();
-    check_size(width, height)?;
-    if decoder.total_bytes() > MAX_DECODED_BYTES {
-        let reason = format!("its header claims {width} x {height} pixels, which need more than 4 GiB");
-        return Err(DecodeError::Damaged { reason });
-    }
+    check_size(width, height, max_pixels)?;
     // An orientation that cannot be read is none, as to viewers.
     let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
     let mut image = DynamicImage::from_decoder(decoder).map_err(damaged)?;
@@ -159,24 +169,28 @@ fn decode_as(format: ImageFormat, bytes: &[u8]) -> Result<Pixels, DecodeError> {
 
 /// Decodes a JPEG image that lacks its end marker, as some cameras leave it off: it is whole if its pixels do not depend
 /// on what follows.
-fn jpeg_without_end(bytes: &[u8]) -> Result<Pixels, DecodeError> {
+fn jpeg_without_end(bytes: &[u8], max_pixels: u64) -> Result<Pixels, DecodeError> {
     let reason = "the JPEG data stops before its end marker".to_owned();
     // A last byte 0xff is half a marker.
     let bytes = bytes.strip_suffix(&[0xff]).unwrap_or(bytes);
-    let ended =
-        |filling: u8| decode_as(ImageFormat::Jpeg, &[bytes, &[filling; JPEG_FILLING], &JPEG_END].concat());
+    let ended = |filling: u8| {
+        decode_as(ImageFormat::Jpeg, &[bytes, &[filling; JPEG_FILLING], &JPEG_END].concat(), max_pixels)
+    };
     match (ended(0x00), ended(0x5a)) {
         (Ok(a), Ok(b)) if a.samples == b.samples => Ok(a),
         _ => Err(DecodeError::Damaged { reason }),
     }
 }
 
-/// Whether both sides of an image are within the supported range.
-pub(crate) fn check_size(width: u32, height: u32) -> Result<(), DecodeError> {
-    if (1..=MAX_SIDE).contains(&width) && (1..=MAX_SIDE).contains(&height) {
-        return Ok(());
+/// Whether both sides of an image are within the supported range, and its pixels within a limit.
+pub(crate) fn check_size(width: u32, height: u32, limit: u64) -> Result<(), DecodeError> {
+    if !(1..=MAX_SIDE).contains(&width) || !(1..=MAX_SIDE).contains(&height) {
+        return Err(DecodeError::Size { width, height });
     }
-    Err(DecodeError::Size { width, height })
+    if u64::from(width) * u64::from(height) > limit {
+        return Err(DecodeError::TooManyPixels { width, height, limit });
+    }
+    Ok(())
 }
 
 /// A message joined into one line.
@@ -229,6 +243,19 @@ fn over_white<const N: usize, const C: usize>(samples: &[u8]) -> Vec<u8> {
 mod tests {
     use super::*;
 
+    /// More pixels than any image here has.
+    const MANY: u64 = 1_000_000;
+
+    #[test]
+    fn a_header_is_not_believed_beyond_the_limit() {
+        let mut png = Cursor::new(Vec::new());
+        image::GrayImage::new(40, 30).write_to(&mut png, ImageFormat::Png).unwrap();
+        let png = png.into_inner();
+        assert!(decode(&png, 1200).is_ok());
+        let refused = decode(&png, 1199).unwrap_err().to_string();
+        assert_eq!(refused, "40 x 30 pixels are more than the limit of 1199; --raise-limits 2 raises it");
+    }
+
     #[test]
     fn alpha_is_laid_over_white() {
         assert_eq!(over_white::<2, 1>(&[0, 0, 0, 255, 100, 128]), [255, 0, 177]);
@@ -257,12 +284,12 @@ mod tests {
     fn only_the_end_marker_may_be_missing() {
         for is_gray in [false, true] {
             let whole = jpeg(is_gray);
-            let expected = decode(&whole).unwrap().samples;
+            let expected = decode(&whole, MANY).unwrap().samples;
             let data = whole.strip_suffix(&JPEG_END).unwrap();
-            assert!(decode(data).unwrap().samples == expected);
-            assert!(decode(&[data, &[0xff]].concat()).unwrap().samples == expected);
+            assert!(decode(data, MANY).unwrap().samples == expected);
+            assert!(decode(&[data, &[0xff]].concat(), MANY).unwrap().samples == expected);
             for missing in [8, 20, 60, 200, data.len() / 2] {
-                let error = decode(&data[..data.len() - missing]).unwrap_err().to_string();
+                let error = decode(&data[..data.len() - missing], MANY).unwrap_err().to_string();
                 assert!(error.contains("stops before its end marker"), "{missing}: {error}");
             }
         }
@@ -278,7 +305,7 @@ mod tests {
     #[test]
     fn images_are_turned_as_they_say() {
         let upright = jpeg(true);
-        let plain = decode(&upright).unwrap();
+        let plain = decode(&upright, MANY).unwrap();
         let Samples::Gray(plain_gray) = &plain.samples else { panic!("gray") };
         let at = |x: u32, y: u32| plain_gray[(y * plain.width + x) as usize];
         for (orientation, size, corner) in [
@@ -287,7 +314,7 @@ mod tests {
             (6, (37, 45), at(0, 36)),
             (8, (37, 45), at(44, 0)),
         ] {
-            let found = decode(&turned(&upright, orientation)).unwrap();
+            let found = decode(&turned(&upright, orientation), MANY).unwrap();
             assert_eq!((found.width, found.height), size, "{orientation}");
             let Samples::Gray(gray) = found.samples else { panic!("gray") };
             assert_eq!(gray[0], corner, "{orientation}");

@@ -42,6 +42,7 @@
 //! |---|---|
 //! | [`progress`], [`clock`] | progress and times of long work |
 //! | [`temporary`], [`output`] | temporary files; files that are whole or absent, numbers of results |
+//! | [`input`] | which files are read, and how much of them |
 //! | [`image_file`], [`frame`] | decoded images, camera frames, their line segments |
 //! | [`interior`] | which places of a plan are indoors |
 //! | [`plan_import`] | plan files as rasters of walls and glazing |
@@ -76,6 +77,7 @@ pub mod evaluate;
 pub mod figures;
 pub mod frame;
 pub mod image_file;
+pub mod input;
 pub mod interior;
 pub mod localize;
 pub mod localizer;

@@ -3,6 +3,7 @@
 use crate::temporary::Temporary;
 use compass_core::map::site_map::Sink;
 use serde::{Serialize, Serializer};
+use std::borrow::Cow;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -61,6 +62,21 @@ pub fn decimals(values: impl IntoIterator<Item = f64>) -> Vec<Decimal> {
     values.into_iter().map(Decimal).collect()
 }
 
+/// Text for terminals and pages: control characters other than line breaks, and those that turn the direction of writing, are
+/// written as their code points. Names and messages from files may hold any.
+#[must_use]
+pub fn printable(text: &str) -> Cow<'_, str> {
+    let is_harmful = |c: char| {
+        let turns = matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+        turns || (c.is_control() && c != '\n')
+    };
+    if !text.contains(is_harmful) {
+        return Cow::Borrowed(text);
+    }
+    let escaped = |c: char| if is_harmful(c) { c.escape_unicode().to_string() } else { c.to_string() };
+    Cow::Owned(text.chars().map(escaped).collect())
+}
+
 /// Writes `bytes` to a new file beside `path` and renames it: the file is whole or absent.
 ///
 /// # Errors
@@ -101,14 +117,83 @@ impl Sink for Bytes {
     }
 }
 
-fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let directory = match path.parent() {
+/// Checks, before long work, that a file can be written at `path`.
+///
+/// # Errors
+/// [`OutputError::Write`] names `path`.
+pub fn check_file(path: &Path) -> Result<(), OutputError> {
+    let check = || {
+        let target = target(path)?;
+        match target.metadata() {
+            _ if is_stream(&target) => Ok(()),
+            Ok(data) if data.is_dir() => Err(io::ErrorKind::IsADirectory.into()),
+            _ => Temporary::file_in(folder(&target), &builder()).map(drop).map_err(|error| plain(&error)),
+        }
+    };
+    check().map_err(|source| OutputError::Write { path: path.to_owned(), source })
+}
+
+/// The file that a path stands for, which need not exist: the end of a chain of symbolic links.
+fn target(path: &Path) -> io::Result<PathBuf> {
+    let mut path = path.to_path_buf();
+    for _ in 0..MAX_LINKS {
+        let is_link = path.symlink_metadata().is_ok_and(|data| data.is_symlink());
+        if !is_link || is_stream(&path) {
+            return Ok(path);
+        }
+        path = folder(&path).join(std::fs::read_link(&path)?);
+    }
+    Err(io::Error::other("too many symbolic links"))
+}
+
+fn is_standard_output(path: &Path) -> bool {
+    ["/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"].iter().any(|name| path == Path::new(name))
+}
+
+/// Whether a path is written through: a device, a pipe, or what a descriptor of the process stands for, as `/dev/stdout`. A
+/// file that is renamed would take its place.
+fn is_stream(path: &Path) -> bool {
+    let is_other = path.metadata().is_ok_and(|data| !data.is_file() && !data.is_dir());
+    is_other || ["/dev", "/proc"].iter().any(|folder| path.starts_with(folder) && path.exists())
+}
+
+/// Most symbolic links that are followed, as on Linux.
+const MAX_LINKS: usize = 40;
+
+/// The folder of a file.
+fn folder(path: &Path) -> &Path {
+    match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
-    };
+    }
+}
+
+fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let path = &target(path)?;
+    if is_standard_output(path) {
+        // What is printed follows it.
+        return io::stdout().write_all(bytes).and_then(|()| io::stdout().flush());
+    }
+    if is_stream(path) {
+        return std::fs::OpenOptions::new().append(true).open(path)?.write_all(bytes);
+    }
+    let before = path.metadata().ok();
+    let directory = folder(path);
     let mut file = Temporary::file_in(directory, &builder()).map_err(|e| plain(&e))?;
-    file.writer().write_all(bytes)?;
-    file.persist(path).map_err(|e| plain(&e))
+    file.writer().write_all(bytes).map_err(|e| plain(&e))?;
+    if let Some(before) = before {
+        file.writer().as_file().set_permissions(before.permissions())?;
+    }
+    // Before the name: a loss of power leaves the file of before or this one, whole.
+    file.writer().as_file().sync_all()?;
+    file.persist(path).map_err(|e| plain(&e))?;
+    sync_folder(directory);
+    Ok(())
+}
+
+/// Writes the names in a folder to the disk, where the system can; without that only a loss of power takes a new name.
+fn sync_folder(folder: &Path) {
+    let _ = std::fs::File::open(folder).and_then(|folder| folder.sync_all());
 }
 
 /// The system's message alone: the error of `tempfile` names a temporary path that the user does not know.
@@ -131,6 +216,70 @@ fn builder() -> tempfile::Builder<'static, 'static> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    #[cfg(unix)]
+    fn links_are_followed_and_modes_kept() {
+        use std::os::unix::fs::PermissionsExt;
+        let home = tempfile::tempdir().unwrap();
+        let [file, link, chain, dangling] =
+            ["file", "link", "chain", "dangling"].map(|name| home.path().join(name));
+        std::fs::write(&file, "old").unwrap();
+        std::fs::set_permissions(&file, std::fs::Permissions::from_mode(0o640)).unwrap();
+        for (to, name) in [("file", &link), ("link", &chain), ("later", &dangling)] {
+            std::os::unix::fs::symlink(to, name).unwrap();
+        }
+        write_file(&chain, b"new").unwrap();
+        assert_eq!(std::fs::read(&file).unwrap(), b"new");
+        assert_eq!(file.metadata().unwrap().permissions().mode() & 0o777, 0o640);
+        assert!(
+            chain.symlink_metadata().unwrap().is_symlink() && link.symlink_metadata().unwrap().is_symlink()
+        );
+        write_file(&dangling, b"there").unwrap();
+        assert_eq!(std::fs::read(home.path().join("later")).unwrap(), b"there");
+        std::os::unix::fs::symlink("loop", home.path().join("loop")).unwrap();
+        let refused = write_file(&home.path().join("loop"), b"x").unwrap_err().to_string();
+        assert!(refused.ends_with("loop: too many symbolic links"), "{refused}");
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn devices_and_pipes_are_written_to_and_stay() {
+        use std::os::unix::fs::FileTypeExt;
+        let home = tempfile::tempdir().unwrap();
+        let pipe = home.path().join("pipe");
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        let reader = std::thread::spawn({
+            let pipe = pipe.clone();
+            move || std::fs::read(pipe).unwrap()
+        });
+        write_file(&pipe, b"through").unwrap();
+        assert_eq!(reader.join().unwrap(), b"through");
+        assert!(pipe.symlink_metadata().unwrap().file_type().is_fifo());
+        write_file(Path::new("/dev/null"), b"gone").unwrap();
+        assert!(Path::new("/dev/null").metadata().unwrap().file_type().is_char_device());
+        let full = write_file(Path::new("/dev/full"), b"x").unwrap_err().to_string();
+        assert!(full.starts_with("cannot write /dev/full: "), "{full}");
+    }
+
+    #[test]
+    fn a_file_that_cannot_be_written_is_told_before_the_work() {
+        let home = tempfile::tempdir().unwrap();
+        let path = home.path().join("new");
+        check_file(&path).unwrap();
+        assert_eq!(std::fs::read_dir(home.path()).unwrap().count(), 0);
+        for bad in [home.path().to_path_buf(), path.join("x")] {
+            let refused = check_file(&bad).unwrap_err().to_string();
+            assert!(refused.starts_with(&format!("cannot write {}: ", bad.display())), "{refused}");
+        }
+    }
+
+    #[test]
+    fn harmful_characters_are_shown_as_code_points() {
+        assert_eq!(printable("Büro 3\nzwei"), "Büro 3\nzwei");
+        assert_eq!(printable("a\u{1b}[31mred\r\u{7}"), "a\\u{1b}[31mred\\u{d}\\u{7}");
+        assert_eq!(printable("gnp.\u{202e}exe"), "gnp.\\u{202e}exe");
+    }
 
     #[test]
     fn replaces_a_file_and_leaves_nothing_else() {

@@ -1,5 +1,6 @@
 //! Site files in memory: read and checked as a whole, or made from floors.
 
+use crate::input;
 use crate::output::Bytes;
 use crate::plan_import::PlanRaster;
 use crate::progress::{Progress, Silent};
@@ -79,7 +80,8 @@ impl SiteFile {
     /// Names the file and the invalid field.
     pub fn read(path: &Path) -> Result<Self, SiteFileError> {
         let named = || path.to_path_buf();
-        let bytes = std::fs::read(path).map_err(|source| SiteFileError::Read { path: named(), source })?;
+        let bytes = input::read(path, input::limits().site_bytes)
+            .map_err(|source| SiteFileError::Read { path: named(), source })?;
         let map = |source| SiteFileError::Map { path: named(), source };
         match Site::new(&bytes) {
             Err(SiteError::Magic) => SiteMap::new(&bytes).and_then(|map| map.verify()).map_err(map)?,

@@ -1,9 +1,13 @@
 //! Camera models against `OpenCV` and against real calibrations; invalid calibrations on the command line.
 
-use compass_core::vision::camera::{Bearing, Camera, Intrinsics, KannalaBrandt, Omni, ROUND_TRIP_PX, Radtan};
+use compass_core::vision::camera::{
+    Bearing, Camera, CameraError, DoubleSphere, Equidistant, Eucm, Intrinsics, KannalaBrandt, Omni, Pixel,
+    ROUND_TRIP_PX, Radtan,
+};
 use compass_host::calibration::Calibration;
 use compass_host::compare::camera::stages;
 use compass_tests::{Folder, number, recordings};
+use proptest::prelude::*;
 
 /// Largest difference to the projection of `OpenCV`, in pixels.
 const OPENCV_PX: f64 = 0.001;
@@ -134,4 +138,68 @@ fn bad_calibrations_are_refused_in_one_line() {
     let ran = folder.run("compare --poses 2 --calib nowhere.yaml");
     assert_eq!(ran.status, Some(2));
     assert!(ran.stderr.contains("nowhere.yaml"), "{}", ran.stderr);
+}
+
+/// Any number, and those near the limits of what lenses accept more often.
+fn any_number() -> impl Strategy<Value = f32> {
+    prop_oneof![
+        any::<f32>(),
+        -2.0_f32..2.0,
+        Just(0.0),
+        Just(0.5),
+        Just(1.0),
+        Just(f32::MAX),
+        Just(f32::MIN_POSITIVE)
+    ]
+}
+
+fn any_lens() -> impl Strategy<Value = Camera> {
+    let intrinsics = prop_oneof![
+        [any_number(), any_number(), any_number(), any_number()],
+        [100.0_f32..2000.0, 100.0_f32..2000.0, 0.0_f32..2000.0, 0.0_f32..2000.0],
+    ];
+    let intrinsics = intrinsics.prop_map(|[fx, fy, cx, cy]| Intrinsics { fx, fy, cx, cy });
+    let numbers = prop::array::uniform6(any_number());
+    let model = 0..5_usize;
+    (intrinsics, numbers, model).prop_filter_map("the lens is refused", |(intrinsics, n, model)| {
+        let radtan = Radtan { k1: n[1], k2: n[2], p1: n[3], p2: n[4], k3: n[5] };
+        match model {
+            0 => KannalaBrandt::new(intrinsics, [n[0], n[1], n[2], n[3]]).ok().map(Camera::KannalaBrandt),
+            1 => Eucm::new(intrinsics, n[0], n[1]).ok().map(Camera::Eucm),
+            2 => DoubleSphere::new(intrinsics, n[0], n[1]).ok().map(Camera::DoubleSphere),
+            3 => Omni::new(intrinsics, n[0], radtan).ok().map(Camera::Omni),
+            _ => Equidistant::new(intrinsics).ok().map(Camera::Equidistant),
+        }
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 4000, max_global_rejects: 4_000_000, ..ProptestConfig::default() })]
+
+    /// Whatever numbers a lens is accepted with: a pixel has a bearing of length 1 or none, a bearing a finite pixel or none.
+    #[test]
+    fn every_accepted_lens_is_finite_over_its_field(
+        lens in any_lens(), x in any_number(), y in any_number(), radius in 0.0_f32..4.0, turn in 0.0_f32..7.0
+    ) {
+        prop_assert!(lens.max_angle().is_finite());
+        let Intrinsics { fx, fy, cx, cy } = lens.intrinsics();
+        let inside = Pixel { x: cx + fx * radius * turn.cos(), y: cy + fy * radius * turn.sin() };
+        for pixel in [Pixel { x, y }, inside] {
+            if let Some(bearing) = lens.unproject(pixel) {
+                prop_assert!((bearing.norm() - 1.0).abs() < 1e-3, "{lens:?} {pixel:?} {bearing:?}");
+            }
+        }
+        for bearing in [Bearing::new(x, y, radius), Bearing::new(turn.cos(), turn.sin(), radius - 2.0)] {
+            if let Some(pixel) = lens.project(&bearing) {
+                prop_assert!(pixel.x.is_finite() && pixel.y.is_finite(), "{lens:?} {bearing:?} {pixel:?}");
+            }
+        }
+    }
+}
+
+/// A beta that overflows has no depth: it was accepted, with bearings that are no numbers.
+#[test]
+fn a_lens_without_depth_is_refused() {
+    let intrinsics = Intrinsics { fx: 1582.8, fy: 2095.2, cx: 5807.0, cy: 15172.0 };
+    assert_eq!(Eucm::new(intrinsics, 0.41953126, 3.4e38), Err(CameraError::Field));
 }

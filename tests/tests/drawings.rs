@@ -113,8 +113,8 @@ fn a_page_has_the_scale_that_is_told() {
         ("", "nothing tells its scale"),
         ("--scale 1:100 --page 2", "not page 2"),
         ("--scale 100", "1:100"),
-        ("--scale 1:100 --unit cm", "--unit and --scale say the same of SVG"),
-        ("--scale 1:100 --scale-points 1,1,9,9,3", "--scale-points and --scale say the same of SVG"),
+        ("--scale 1:100 --unit cm", "--unit and --scale say the same of PDF"),
+        ("--scale 1:100 --scale-points 1,1,9,9,3", "--scale-points and --scale say the same of PDF"),
     ] {
         let ran = folder.run(&format!("plan a.pdf {options}"));
         assert_eq!(ran.status, Some(2), "{options}");

@@ -72,6 +72,7 @@ impl Compare {
     }
 
     pub(super) fn run(&self) -> Result<Outcome> {
+        self.json.check()?;
         let (raster, plan) = if self.plan.path().is_some() { self.plan.load()? } else { sample()? };
         let name = || self.plan.path().map_or_else(|| "sample building".into(), |p| p.display().to_string());
         let lenses = self.lenses()?;

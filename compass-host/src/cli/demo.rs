@@ -107,6 +107,7 @@ fn search(map: &[u8], query: &Scan) -> Result<(Answer, f64)> {
 
 impl Demo {
     pub(super) fn run(&self) -> Result<Outcome> {
+        self.json.check()?;
         create_dir(&self.out)?;
         let run = Run::new()?;
         let poses = run.poses()?;

@@ -1,6 +1,6 @@
 //! The outcome of a command as the exit status of the process.
 
-use super::notes::note;
+use super::notes::{line, note};
 use compass_host::locator::SeeError;
 use compass_host::temporary;
 use std::process::ExitCode;
@@ -72,7 +72,7 @@ pub(super) fn clean_up_when_interrupted() {
 pub(super) fn code(result: anyhow::Result<Outcome>) -> ExitCode {
     let status = result.map_or_else(
         |error| {
-            eprintln!("compass: {}", one_line(&error));
+            line(&one_line(&error));
             Status::from(&error)
         },
         Status::from,

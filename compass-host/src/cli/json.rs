@@ -1,7 +1,7 @@
 //! `--json`: the machine-readable result, and the summary for people.
 
 use anyhow::{Context as _, Result};
-use compass_host::output::write_file;
+use compass_host::output::{check_file, printable, write_file};
 use serde::Serialize;
 
 /// Where `--json` goes.
@@ -13,6 +13,17 @@ pub(super) struct JsonOption {
 }
 
 impl JsonOption {
+    /// Checks, before long work, that the result can be written.
+    ///
+    /// # Errors
+    /// Names the file that cannot be.
+    pub(super) fn check(&self) -> Result<()> {
+        match &self.json {
+            Some(path) if path.as_os_str() != "-" => Ok(check_file(path)?),
+            _ => Ok(()),
+        }
+    }
+
     /// Writes `result` to the destination; without `--json` prints `summary` instead.
     ///
     /// With `--json FILE` the summary is printed as well; with `--json -` it is not.
@@ -25,9 +36,9 @@ impl JsonOption {
             Some(path) if path.as_os_str() == "-" => print(&text()?),
             Some(path) => {
                 write_file(path, text()?.as_bytes())?;
-                print(summary)
+                print(&printable(summary))
             }
-            None => print(summary),
+            None => print(&printable(summary)),
         }
     }
 }

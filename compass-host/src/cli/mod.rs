@@ -28,6 +28,7 @@ mod up;
 mod windows;
 
 use clap::{Parser, Subcommand};
+use compass_host::input::{Limits, set_limits};
 use exit::Outcome;
 use std::process::ExitCode;
 
@@ -35,6 +36,9 @@ use std::process::ExitCode;
 #[derive(Debug, Parser)]
 #[command(name = "compass", version, about)]
 struct Cli {
+    /// Read input N times as large as the limits allow that keep a stranger's file from filling the memory
+    #[arg(long, global = true, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    raise_limits: u32,
     #[command(subcommand)]
     command: Command,
 }
@@ -75,6 +79,7 @@ enum Command {
 impl Cli {
     /// Runs the subcommand; an error names the thing at fault and the place.
     fn run(&self) -> anyhow::Result<Outcome> {
+        set_limits(Limits::DEFAULT.raised(self.raise_limits));
         match &self.command {
             Command::Demo(command) => command.run(),
             Command::Describe(command) => command.run(),

@@ -8,7 +8,7 @@ use anyhow::{Context as _, Result, bail};
 use compass_core::base::raster::BitMask;
 use compass_core::vision::shot::{Header, Writer};
 use compass_host::frame::Frame;
-use compass_host::output::{Bytes, Decimal, write_file};
+use compass_host::output::{Bytes, Decimal, check_file, write_file};
 use image::RgbImage;
 use image::imageops::thumbnail;
 use serde::Serialize;
@@ -42,6 +42,7 @@ struct Output {
 
 impl Pack {
     pub(super) fn run(&self) -> Result<Outcome> {
+        check_file(&self.out)?;
         let taken = self.cameras.read()?;
         let Some(up) = taken.up.hint() else {
             bail!(

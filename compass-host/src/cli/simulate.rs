@@ -81,6 +81,7 @@ struct Output {
 
 impl Simulate {
     pub(super) fn run(&self) -> Result<Outcome> {
+        self.json.check()?;
         let (raster, _) = self.plan.load()?;
         let poses = self.poses(&raster)?;
         let calibration =

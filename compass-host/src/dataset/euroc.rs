@@ -7,6 +7,7 @@ use super::faults::{Faults, Item};
 use super::imu::Readings;
 use super::pairs::List;
 use super::table::{self, Header, Row, TableError};
+use crate::input::is_within;
 use std::path::{Path, PathBuf};
 
 /// The folder within that of a sequence.
@@ -83,11 +84,17 @@ fn parse<'a>(row: &Row<'a>) -> Result<(u64, &'a str), String> {
 
 /// The file of a frame: in the folder `data`, or where its name says.
 fn file(camera: &Path, name: &str) -> Result<PathBuf, String> {
+    let by_name = Path::new(name).file_name().map(|name| camera.join("data").join(name));
+    let there = by_name.filter(|file| file.is_file());
+    if !is_within(Path::new(name)) {
+        // As on another machine; a list does not choose files of this one.
+        return there.ok_or_else(|| format!("{name} is outside of the recording"));
+    }
     let beside = camera.join("data").join(name);
     let others = [camera.join(name), camera.join("..").join(name)];
-    let by_name = Path::new(name).file_name().map(|name| camera.join("data").join(name));
-    let mut candidates = [beside.clone()].into_iter().chain(others).chain(by_name);
-    candidates.find(|file| file.is_file()).ok_or_else(|| format!("{} does not exist", beside.display()))
+    let mut candidates = [beside.clone()].into_iter().chain(others);
+    let named = candidates.find(|file| file.is_file()).or(there);
+    named.ok_or_else(|| format!("{} does not exist", beside.display()))
 }
 
 #[cfg(test)]

@@ -11,6 +11,8 @@ use super::pairs::{List, pair};
 pub use super::topics::Topics;
 use crate::calibration::Calibration;
 use crate::frame::Frame;
+use crate::image_file::ImageFileError;
+use crate::input::{self, limits};
 use crate::progress::{Progress, Silent};
 use std::path::{Path, PathBuf};
 
@@ -56,15 +58,16 @@ impl Source {
         }
     }
 
-    /// Identifies this frame among others, and detects that its data were replaced.
-    #[must_use]
-    pub fn identity(&self) -> String {
+    /// The bytes of the image file or of the message, as they are stored.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn contents(&self) -> Result<Vec<u8>, DatasetError> {
         match self {
-            Self::File(path) => {
-                format!("{} {:?}", path.display(), std::fs::metadata(path).map(|data| data.len()).ok())
-            }
+            Self::File(path) => input::read(path, limits().image_bytes)
+                .map_err(|source| ImageFileError::Read { path: path.clone(), source }.into()),
             #[cfg(feature = "bag")]
-            Self::Message(message) => message.identity(),
+            Self::Message(message) => message.contents(),
         }
     }
 }

@@ -4,6 +4,7 @@
 //! read, with semicolons numbers may have a decimal comma. Blank lines and lines that begin with `#` or `%` are skipped;
 //! the last of those before the first row, or a first row of words, names the columns.
 
+use crate::input;
 use csv::{ReaderBuilder, StringRecord, Trim};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -210,8 +211,8 @@ pub(super) fn visit(
     path: &Path,
     take: impl FnMut(&Row<'_>) -> Result<(), String>,
 ) -> Result<Visited, TableError> {
-    let bytes =
-        std::fs::read(path).map_err(|source| TableError::Read { path: path.to_path_buf(), source })?;
+    let bytes = input::read(path, input::limits().table_bytes)
+        .map_err(|source| TableError::Read { path: path.to_path_buf(), source })?;
     let visited = visit_text(&decoded(&bytes), take);
     match visited.rejected.first() {
         Some((line, problem)) if visited.taken == 0 => {

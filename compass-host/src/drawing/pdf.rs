@@ -2,6 +2,7 @@
 
 use super::curve::Outline;
 use super::{Drawing, DrawingError, Paint, Shape, guarded};
+use crate::input;
 use hayro_interpret::hayro_syntax::Pdf;
 use hayro_interpret::hayro_syntax::object::{Dict, String as PdfString};
 use hayro_interpret::kurbo::{Affine, BezPath, PathEl, Point, Rect};
@@ -10,9 +11,6 @@ use hayro_interpret::{
     InterpreterSettings, Paint as PdfPaint, SoftMask, TransformExt, font::GlyphRun, interpret_page,
 };
 use std::path::Path;
-
-/// Longest file in bytes.
-const MAX_BYTES: u64 = 500 << 20;
 
 /// Reads a page, the first is 1, in points (1/72 inch), y up from the lower edge.
 ///
@@ -24,11 +22,7 @@ pub(crate) fn read(path: &Path, page: usize) -> Result<Drawing, DrawingError> {
 
 fn interpret(path: &Path, number: usize) -> Result<Drawing, DrawingError> {
     let syntax = |reason: String| DrawingError::Syntax(reason);
-    let bytes = std::fs::metadata(path).map_err(|error| syntax(error.to_string()))?.len();
-    if bytes > MAX_BYTES {
-        return Err(syntax(format!("{bytes} bytes, more than {MAX_BYTES}")));
-    }
-    let data = std::fs::read(path).map_err(|error| syntax(error.to_string()))?;
+    let data = input::read(path, input::limits().drawing_bytes).map_err(|error| syntax(error.to_string()))?;
     let pdf = Pdf::new(data).map_err(|error| syntax(format!("{error:?}")))?;
     let pages = pdf.pages();
     let page = number.checked_sub(1).and_then(|at| pages.get(at));

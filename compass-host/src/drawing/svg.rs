@@ -5,12 +5,11 @@
 
 use super::curve::Outline;
 use super::{Drawing, DrawingError, Paint, Shape};
+use crate::input;
 use std::collections::HashMap;
 use std::path::Path;
 use usvg::tiny_skia_path::PathSegment;
 
-/// Longest file in bytes.
-const MAX_BYTES: u64 = 200 << 20;
 /// Prefix of the ids that elements without one get.
 const OWN_ID: &str = "compass-";
 /// Words that drawing programs number to make ids of: they name nothing.
@@ -25,11 +24,7 @@ const GENERATED: [&str; 16] = [
 /// [`DrawingError`]: no SVG, or one too large.
 pub(crate) fn read(path: &Path) -> Result<Drawing, DrawingError> {
     let syntax = |error: &dyn std::fmt::Display| DrawingError::Syntax(error.to_string());
-    let bytes = std::fs::metadata(path).map_err(|error| syntax(&error))?.len();
-    if bytes > MAX_BYTES {
-        return Err(DrawingError::Syntax(format!("{bytes} bytes, more than {MAX_BYTES}")));
-    }
-    let text = std::fs::read_to_string(path).map_err(|error| syntax(&error))?;
+    let text = input::read_text(path, input::limits().drawing_bytes).map_err(|error| syntax(&error))?;
     let (text, names) = with_ids(&text)?;
     let options = usvg::Options { resources_dir: None, ..usvg::Options::default() };
     let tree = usvg::Tree::from_str(&text, &options).map_err(|error| syntax(&error))?;

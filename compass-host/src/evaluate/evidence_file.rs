@@ -5,7 +5,9 @@
 //! plus 2^15.
 
 use super::error::{EvaluateError, Result};
+use super::journal::Fingerprint;
 use crate::image_file::{self, Samples};
+use crate::input::{self, limits};
 use crate::locator::Seen;
 use crate::output::{OutputError, write_file};
 use compass_core::base::confidence::Confidence;
@@ -87,16 +89,24 @@ impl Evidence {
         rows[number]
     }
 
-    /// Writes a PNG file.
+    /// Writes a PNG file, and returns its [`fingerprint`](Self::fingerprint).
     ///
     /// # Errors
     /// Names the file.
-    pub fn write(&self, path: &Path) -> Result<()> {
+    pub fn write(&self, path: &Path) -> Result<String> {
         let mut png = Vec::new();
         image::codecs::png::PngEncoder::new(&mut png)
             .write_image(&self.rows, BINS as u32, ROWS as u32, image::ExtendedColorType::L8)
             .map_err(|source| OutputError::Encode { path: path.to_path_buf(), source })?;
-        Ok(write_file(path, &png)?)
+        write_file(path, &png)?;
+        Ok(Fingerprint::EMPTY.of(&png).text())
+    }
+
+    /// The fingerprint of a file that is there.
+    #[must_use]
+    pub fn fingerprint(path: &Path) -> Option<String> {
+        let bytes = input::read(path, limits().image_bytes).ok()?;
+        Some(Fingerprint::EMPTY.of(&bytes).text())
     }
 
     /// Reads a file written by [`Self::write`].
@@ -104,7 +114,7 @@ impl Evidence {
     /// # Errors
     /// Names the file.
     pub fn read(path: &Path) -> Result<Self> {
-        let picture = image_file::read(path)?;
+        let picture = image_file::read(path, limits().frame_pixels)?;
         let size = (picture.width as usize, picture.height as usize);
         let (Samples::Gray(rows), true) = (picture.samples, size == (BINS, ROWS)) else {
             return Err(EvaluateError::NoEvidence(path.to_path_buf()));

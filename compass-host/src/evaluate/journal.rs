@@ -2,6 +2,7 @@
 
 use super::error::{EvaluateError, Result};
 use super::record::Record;
+use crate::input;
 use crate::output::write_file;
 use std::collections::HashMap;
 use std::fs::{File, OpenOptions};
@@ -19,7 +20,7 @@ pub struct Journal {
 
 impl Journal {
     /// Opens a journal for frames with these fingerprints. Lines are dropped that have another fingerprint, are not
-    /// `whole` or cannot be parsed.
+    /// `whole`, are damaged or cannot be parsed.
     ///
     /// # Errors
     /// Names the file.
@@ -28,7 +29,7 @@ impl Journal {
         fingerprints: HashMap<u64, String>,
         whole: impl Fn(&Record) -> bool,
     ) -> Result<Self> {
-        let text = match std::fs::read(path) {
+        let text = match input::read(path, input::limits().table_bytes) {
             Ok(bytes) => String::from_utf8_lossy(&bytes).into_owned(),
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => String::new(),
             Err(source) => return Err(EvaluateError::ReadJournal { path: path.to_path_buf(), source }),
@@ -36,7 +37,7 @@ impl Journal {
         let mut records = HashMap::new();
         let mut kept = String::new();
         for line in text.lines() {
-            let Ok(record) = serde_json::from_str::<Record>(line) else { continue };
+            let Some(record) = parsed(line) else { continue };
             let known = fingerprints.get(&record.timestamp_ns);
             if known == Some(&record.fingerprint)
                 && !records.contains_key(&record.timestamp_ns)
@@ -77,7 +78,7 @@ impl Journal {
     /// Names the file.
     pub fn add(&self, mut record: Record) -> Result<()> {
         record.fingerprint = self.fingerprints.get(&record.timestamp_ns).cloned().unwrap_or_default();
-        let line = serde_json::to_string(&record)? + "\n";
+        let line = sealed(&serde_json::to_string(&record)?) + "\n";
         let mut inner = self.lock();
         let written = inner.0.write_all(line.as_bytes());
         written.map_err(|source| EvaluateError::WriteJournal { path: self.path.clone(), source })?;
@@ -91,15 +92,35 @@ impl Journal {
     }
 }
 
-/// A running 64-bit FNV-1a hash.
+/// What separates the checksum of a line from the record.
+const SEAL: &str = ",\"checksum\":\"";
+
+/// A record in JSON with its checksum as last field.
+fn sealed(record: &str) -> String {
+    let open = record.strip_suffix('}').unwrap_or(record);
+    format!("{open}{SEAL}{}\"}}", Fingerprint::EMPTY.of(open.as_bytes()).text())
+}
+
+/// The record of a line, if its checksum is right.
+fn parsed(line: &str) -> Option<Record> {
+    let (open, _) = line.rsplit_once(SEAL)?;
+    let record = format!("{open}}}");
+    (sealed(&record) == line).then(|| serde_json::from_str(&record).ok()).flatten()
+}
+
+/// A running 64-bit FNV-1a hash: it tells accidents, not forgeries.
 #[derive(Debug, Clone, Copy)]
 pub struct Fingerprint(u64);
 
 impl Fingerprint {
-    /// A hash seeded with the version of this program.
+    /// The hash of nothing.
+    pub const EMPTY: Self = Self(0xcbf2_9ce4_8422_2325);
+
+    /// A hash of the program that runs: another build may find other results.
     #[must_use]
     pub fn new() -> Self {
-        Self(0xcbf2_9ce4_8422_2325).of(env!("CARGO_PKG_VERSION").as_bytes())
+        let program = std::env::current_exe().and_then(std::fs::read).unwrap_or_default();
+        Self::EMPTY.of(env!("CARGO_PKG_VERSION").as_bytes()).of(&program)
     }
 
     /// Adds these bytes and their number.
@@ -142,6 +163,7 @@ mod tests {
             single: vec![super::super::Found { layer: 1, x: -5 << 32, y: 7, heading: u32::MAX, score: -3 }],
             rival: Some(7),
             oracle: Vec::new(),
+            evidence: None,
             paper: [None; crate::evaluate::PAPER.len()],
             milliseconds: BTreeMap::from([("locate".to_owned(), 12.25)]),
         }
@@ -164,5 +186,13 @@ mod tests {
         journal.add(record(3)).unwrap();
         assert_eq!(Journal::open(&path, prints("a"), |_| true).unwrap().len(), 2);
         assert!(Journal::open(&path, prints("b"), |_| true).unwrap().is_empty());
+        let text = std::fs::read_to_string(&path).unwrap();
+        for (from, to) in
+            [("\"x\":-21474836480", "\"x\":-21474836481"), ("checksum", "checksun"), ("\"}", "\"")]
+        {
+            assert!(text.contains(from), "{from}");
+            std::fs::write(&path, text.replace(from, to)).unwrap();
+            assert!(Journal::open(&path, prints("a"), |_| true).unwrap().is_empty(), "{to}");
+        }
     }
 }

@@ -67,6 +67,9 @@ pub struct Record {
     pub oracle: Vec<Found>,
     /// The best match by the paper's cosine, in each of the [`PAPER`] ways.
     pub paper: [Option<Found>; PAPER.len()],
+    /// [`Fingerprint`](super::Fingerprint) of the file with its evidence, if there is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub evidence: Option<String>,
     /// Milliseconds by stage.
     pub milliseconds: BTreeMap<String, f64>,
 }

@@ -163,6 +163,7 @@ mod tests {
             single: Vec::new(),
             rival: None,
             oracle: Vec::new(),
+            evidence: None,
             paper: [None; crate::evaluate::PAPER.len()],
             milliseconds: std::collections::BTreeMap::new(),
         };

@@ -90,6 +90,7 @@ impl<'a> Worker<'a> {
             single: Vec::new(),
             rival: None,
             oracle: Vec::new(),
+            evidence: None,
             paper: [None; PAPER.len()],
             milliseconds: BTreeMap::new(),
         };
@@ -176,7 +177,7 @@ impl<'a> Worker<'a> {
         // A score of 0 carries no information.
         record.single = fix.poses().iter().map(Found::from).filter(|found| found.score > 0).collect();
         [record.height, record.ceiling] = fix.heights().to_rungs();
-        evidence.write(&self.job.evidence_file(record.timestamp_ns))?;
+        record.evidence = Some(evidence.write(&self.job.evidence_file(record.timestamp_ns))?);
         clock.stage("write");
         let windows = evidence.windows();
         let mut seen = self.search.recall(&evidence.boundaries(), &windows);

@@ -1,6 +1,6 @@
 //! Plan files of another format than their name says, or of one that is not read.
 
-use std::fs::File;
+use crate::input;
 use std::io::Read as _;
 use std::path::Path;
 
@@ -29,7 +29,7 @@ const KNOWN: [(&[u8], &str); 12] = [
 /// What a file that is no image is instead, where that is known.
 pub(super) fn recognise(path: &Path) -> Option<&'static str> {
     let mut head = Vec::new();
-    File::open(path).ok()?.take(HEAD_BYTES).read_to_end(&mut head).ok()?;
+    input::open(path).ok()?.take(HEAD_BYTES).read_to_end(&mut head).ok()?;
     of_head(&head)
 }
 

@@ -39,6 +39,7 @@ pub use summary::{DrawingOptions, LayerSummary};
 use std::path::{Path, PathBuf};
 
 use crate::image_file::{self, DecodeError, ImageFileError, Pixels};
+use crate::input::limits;
 use crate::interior::Places;
 use classify::Masks;
 use drawing_file::DrawingFormat;
@@ -221,7 +222,7 @@ fn load_image(options: &PlanOptions) -> Result<(PlanRaster, Vec<PlanNote>), Plan
 
 /// Decodes an image; the error says what the file is instead, where that is known.
 fn read_image(path: &Path) -> Result<Pixels, PlanImportError> {
-    image_file::read(path).map_err(|error| {
+    image_file::read(path, limits().plan_pixels).map_err(|error| {
         let is_image = !matches!(&error, ImageFileError::Decode { problem: DecodeError::NotAnImage, .. });
         let what = if is_image { None } else { foreign::recognise(path) };
         what.map_or(error.into(), |what| PlanImportError::Foreign { path: path.to_path_buf(), what })
@@ -269,11 +270,16 @@ impl Source {
             (Tone::Negative, true) => Tone::Positive,
             (tone, _) => tone,
         };
-        let note = map.named.as_ref().map(|named| PlanNote::ImageBeside {
-            description: options.plan.clone(),
-            named: named.clone(),
-            taken: map.image.clone(),
-        });
+        let description = options.plan.clone();
+        let note = match &map.named {
+            Some(named) => {
+                Some(PlanNote::ImageBeside { description, named: named.clone(), taken: map.image.clone() })
+            }
+            None if map.is_elsewhere => {
+                Some(PlanNote::ImageElsewhere { description, image: map.image.clone() })
+            }
+            None => None,
+        };
         Ok(Self {
             resolution_m: options.resolution_m.or(options.scale_points_m).unwrap_or(map.resolution_m),
             origin: options.origin.unwrap_or(map.origin),

@@ -26,6 +26,13 @@ pub enum PlanNote {
         /// The image that was taken.
         taken: PathBuf,
     },
+    /// The image that a map description names is not in its folder.
+    ImageElsewhere {
+        /// The description.
+        description: PathBuf,
+        /// The image.
+        image: PathBuf,
+    },
     /// An image was read by itself although a map description lies beside it.
     DescriptionBeside {
         /// The image.
@@ -144,6 +151,10 @@ impl fmt::Display for PlanNote {
             Self::ImageBeside { description, named, taken } => {
                 let [description, named, taken] = [description, named, taken].map(|path| path.display());
                 write!(f, "{description}: {named} does not exist; {taken} is taken")
+            }
+            Self::ImageElsewhere { description, image } => {
+                let [description, image] = [description, image].map(|path| path.display());
+                write!(f, "{description}: its image is {image}, outside of its folder")
             }
             Self::DescriptionBeside { image, description, resolution_m, taken_m } => {
                 let [image, description] = [image, description].map(|path| path.display());

@@ -5,6 +5,7 @@
 //! occupied is free here. Occupancy of a pixel whose channels have the mean `v` is `(255 - v) / 255`, in a negated map
 //! `v / 255`, in mode raw `v / 100` up to 1; the pixel is occupied when that is above `occupied_thresh`.
 
+use crate::input;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
@@ -28,6 +29,8 @@ pub(super) struct RosMap {
     pub tone: Tone,
     /// The image as it is named, where one beside the description stands for it.
     pub named: Option<PathBuf>,
+    /// Whether the image is named outside of the description's folder.
+    pub is_elsewhere: bool,
     /// Occupancy above which a pixel is occupied.
     pub occupied_thresh: f64,
 }
@@ -79,8 +82,8 @@ impl Flag {
 /// Reads the description at `path` without opening the image.
 pub(super) fn read(path: &Path) -> Result<RosMap, PlanImportError> {
     let yaml = |reason: String| PlanImportError::Yaml { path: path.to_path_buf(), reason };
-    let bytes =
-        std::fs::read(path).map_err(|source| PlanImportError::Read { path: path.to_path_buf(), source })?;
+    let bytes = input::read(path, input::limits().settings_bytes)
+        .map_err(|source| PlanImportError::Read { path: path.to_path_buf(), source })?;
     let text = String::from_utf8(bytes).map_err(|_| yaml("not UTF-8 text".to_owned()))?;
     let fields: Fields = serde_saphyr::from_str(&text)
         .map_err(|error| yaml(one_line(&error.without_snippet().to_string())))?;
@@ -105,9 +108,11 @@ pub(super) fn read(path: &Path) -> Result<RosMap, PlanImportError> {
     if !yaw.is_finite() {
         return Err(refused(path, "yaw of origin", yaw.to_string(), "a finite angle in radians is needed"));
     }
+    let is_within = input::is_within(&fields.image);
     let (image, named) = image_of(path, fields.image);
     Ok(RosMap {
         image,
+        is_elsewhere: named.is_none() && !is_within,
         named,
         resolution_m: fields.resolution,
         origin: [x, y],

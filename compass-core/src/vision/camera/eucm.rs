@@ -45,7 +45,7 @@ impl Eucm {
     ///
     /// # Errors
     /// [`CameraError::NotFinite`], [`CameraError::Focal`], [`CameraError::Alpha`], [`CameraError::Beta`];
-    /// [`CameraError::Field`] for a beta so large that the image of the field is a point.
+    /// [`CameraError::Field`] for a beta so large that the image of the field is a point, or its depth no number.
     pub fn new(intrinsics: Intrinsics, alpha: f32, beta: f32) -> Result<Self, CameraError> {
         let intrinsics = intrinsics.checked()?;
         finite(&[alpha, beta])?;
@@ -64,9 +64,11 @@ impl Eucm {
         };
         let max_radius = max_radius.min(WIDEST_RADIUS);
         let mut lens = Self { intrinsics, alpha, beta, behind, max_radius, max_angle: 0.0 };
-        lens.max_angle = libm::atan2f(max_radius, lens.depth(max_radius)).min(WIDEST_ANGLE);
-        // A large beta shrinks the image of the field to a point.
-        let wide_enough = lens.max_angle >= NARROWEST_ANGLE && max_radius >= NARROWEST_ANGLE;
+        let depth = lens.depth(max_radius);
+        lens.max_angle = libm::atan2f(max_radius, depth).min(WIDEST_ANGLE);
+        // A large beta shrinks the image of the field to a point, and one above what numbers hold has no depth.
+        let wide_enough =
+            depth.is_finite() && lens.max_angle >= NARROWEST_ANGLE && max_radius >= NARROWEST_ANGLE;
         if wide_enough { Ok(lens) } else { Err(CameraError::Field) }
     }
 

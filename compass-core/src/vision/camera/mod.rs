@@ -68,6 +68,9 @@ pub const NARROWEST_ANGLE: f32 = 0.1;
 /// Relative amount by which rounding may move a point beyond the rim of the field; it is then clamped to the rim.
 const RIM: f32 = 2e-6;
 
+/// Largest difference of the squared length of a bearing to 1.
+const UNIT_TOLERANCE: f32 = 1e-3;
+
 /// Steps of the scan for the end of the field.
 const FIELD_STEPS: u16 = 1024;
 
@@ -263,13 +266,15 @@ impl Camera {
     /// ```
     #[must_use]
     pub fn unproject(&self, pixel: Pixel) -> Option<Bearing> {
-        match self {
+        let bearing = match self {
             Self::KannalaBrandt(model) => model.unproject(pixel),
             Self::Eucm(model) => model.unproject(pixel),
             Self::DoubleSphere(model) => model.unproject(pixel),
             Self::Omni(model) => model.unproject(pixel),
             Self::Equidistant(model) => model.unproject(pixel),
-        }
+        };
+        // Parameters at the limits of what numbers hold leave none.
+        bearing.filter(|bearing| (bearing.norm_squared() - 1.0).abs() < UNIT_TOLERANCE)
     }
 
     /// The camera of an image resized by `sx` along x and `sy` along y: f' = f s, c' = (c + 0.5) s - 0.5.

@@ -15,13 +15,16 @@ use compass_host::evaluate::judged::{JudgedFrame, ROWS, count_up_sources, mean_m
 use compass_host::evaluate::report::{self, ReportData};
 use compass_host::evaluate::sequence::Followed;
 use compass_host::evaluate::{
-    EvaluateError, Fingerprint, FrameErrors, Job, Journal, Judge, Misses, Record, Row, largest_errors,
-    localize, sequence,
+    EvaluateError, Evidence, Fingerprint, FrameErrors, Job, Journal, Judge, Misses, Record, Row,
+    largest_errors, localize, sequence,
 };
+use compass_host::input;
 use compass_host::locator::Locator;
 use compass_host::output::{Decimal, create_dir, write_file};
+use compass_host::progress::Progress as _;
 use compass_host::site_file::{SiteFile, SiteFloor};
 use compass_host::wall_check::WallSummary;
+use rayon::prelude::*;
 use std::collections::HashMap;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -91,6 +94,7 @@ fn share(text: &str) -> Result<f64, String> {
 
 impl Evaluate {
     pub(super) fn run(&self) -> Result<Outcome> {
+        self.json.check()?;
         // All input is read before any output is written.
         let file = SiteFile::read(&self.map)?;
         let floors = file.floors();
@@ -120,8 +124,10 @@ impl Evaluate {
         let fingerprints = self.fingerprints(&file, &job, &recording.shots)?;
         let started = Started::new(&self.out);
         create_dir(&evidence)?;
-        let is_whole =
-            |record: &Record| record.problem.is_some() || job.evidence_file(record.timestamp_ns).is_file();
+        let is_whole = |record: &Record| {
+            let evidence = || Evidence::fingerprint(&job.evidence_file(record.timestamp_ns));
+            record.problem.is_some() || (record.evidence.is_some() && record.evidence == evidence())
+        };
         let journal = Journal::open(&self.out.join("frames.jsonl"), fingerprints, is_whole)?;
         let resumed = journal.len();
         let jobs =
@@ -184,20 +190,28 @@ impl Evaluate {
 
     /// Fingerprint of everything that the results of each frame depend on.
     fn fingerprints(&self, file: &SiteFile, job: &Job<'_>, shots: &[Shot]) -> Result<HashMap<u64, String>> {
-        let read =
-            |path: &Path| std::fs::read(path).with_context(|| format!("{}: cannot be read", path.display()));
+        let read = |path: &Path| {
+            input::read_whole(path).with_context(|| format!("{}: cannot be read", path.display()))
+        };
         let options = format!("{:?} {:?} {:?}", self.mount, self.heights, self.floor);
         let common = Fingerprint::new()
             .of(file.as_bytes())
             .of(&read(&self.calib)?)
             .of(&read(&self.groundtruth)?)
             .of(options.as_bytes());
+        let steps = Bars.begin(shots.len(), "reading frames");
         let print = |shot: &Shot| {
-            let images = shot.images.each_ref().map(|image| image.as_ref().map(Source::identity));
+            let images =
+                shot.images.iter().fold(common, |print, image| match image.as_ref().map(Source::contents) {
+                    None => print.of(b"none"),
+                    Some(Ok(bytes)) => print.of(&bytes),
+                    Some(Err(error)) => print.of(error.to_string().as_bytes()),
+                });
+            steps.step();
             let gravity = job.gravity(shot.timestamp_ns);
-            (shot.timestamp_ns, common.of(format!("{images:?} {gravity:?}").as_bytes()).text())
+            (shot.timestamp_ns, images.of(format!("{gravity:?}").as_bytes()).text())
         };
-        Ok(shots.iter().map(print).collect())
+        Ok(shots.par_iter().map(print).collect())
     }
 
     /// Writes trajectories, report and result.

@@ -11,6 +11,7 @@ use compass_core::vision::shot::Shot;
 use compass_core::{Bearing, ExclusionMask, Fix, Frame, HeightPrior, Settings, UpHint};
 use compass_host::clock::Clock;
 use compass_host::doubt;
+use compass_host::input;
 use compass_host::locator::{Locator, NoPlan, SeeError, Seen};
 use compass_host::output::Decimal;
 use compass_host::site_file::{SiteFile, SiteFloor};
@@ -208,7 +209,7 @@ fn of_shot<'a>(
     clock: &mut Clock,
 ) -> Result<Found<'a>> {
     let name = || path.display().to_string();
-    let bytes = std::fs::read(path).with_context(name)?;
+    let bytes = input::read_whole(path).with_context(name)?;
     let shot = Shot::new(&bytes).and_then(|shot| shot.verify().map(|()| shot)).with_context(name)?;
     clock.stage("read_frames");
     let header = shot.header();

@@ -61,6 +61,7 @@ impl From<Preset> for Settings {
 
 impl Localize {
     pub(super) fn run(&self) -> Result<Outcome> {
+        self.json.check()?;
         let truth = self.at.zip(self.heading);
         let input = match (&self.query.from_plan, truth) {
             (Some(plan), Some(truth)) => return self.query.run(&self.map, plan, truth, &self.json),

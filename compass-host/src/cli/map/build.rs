@@ -7,7 +7,7 @@ use crate::cli::progress::Bars;
 use anyhow::{Context as _, Result};
 use compass_core::map::site::{MAX_NAME_BYTES, Site, is_name};
 use compass_host::interior::CLEARANCE_M;
-use compass_host::output::{Decimal, write_file};
+use compass_host::output::{Decimal, check_file, write_file};
 use compass_host::plan_import::Imported;
 use compass_host::plan_import::structure::{DEFAULT_THICKNESS_M, StructureError};
 use compass_host::site::{BuildOptions, PackedPlan};
@@ -64,6 +64,7 @@ enum Structure {
 
 impl Build {
     pub(super) fn run(&self) -> Result<Outcome> {
+        check_file(&self.out)?;
         let started = Instant::now();
         let imported = self.plan.import(false)?;
         let path = self.plan.path().unwrap_or(Path::new(""));

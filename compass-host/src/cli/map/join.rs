@@ -4,7 +4,7 @@ use crate::cli::exit::Outcome;
 use crate::cli::json::JsonOption;
 use anyhow::{Context as _, Result, bail};
 use compass_core::map::site::Floor;
-use compass_host::output::write_file;
+use compass_host::output::{check_file, write_file};
 use compass_host::site_file::{SiteFile, site_bytes};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -29,6 +29,7 @@ struct Joined<'a> {
 
 impl Join {
     pub(super) fn run(&self) -> Result<Outcome> {
+        check_file(&self.out)?;
         let files: Vec<SiteFile> =
             self.files.iter().map(|path| SiteFile::read(path)).collect::<Result<_, _>>()?;
         let floors = self.floors(&files)?;

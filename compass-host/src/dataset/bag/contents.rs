@@ -12,6 +12,7 @@ use crate::dataset::pairs::List;
 use crate::dataset::topics::Topics;
 use crate::frame::Frame;
 use crate::image_file::Pixels;
+use crate::input;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -46,30 +47,37 @@ pub struct Message {
 impl Message {
     /// Fetches and decodes the frame.
     pub(in crate::dataset) fn read(&self) -> Result<Frame, DatasetError> {
+        self.pixels().map(Frame::from).map_err(|problem| self.problem(&problem))
+    }
+
+    /// The message as it is stored.
+    pub(in crate::dataset) fn contents(&self) -> Result<Vec<u8>, DatasetError> {
+        self.fetch().map_err(|problem| self.problem(&problem))
+    }
+
+    fn problem(&self, problem: &str) -> DatasetError {
         let name = &self.bag.files[self.file].name;
-        self.pixels().map(Frame::from).map_err(|problem| {
-            let (seconds, ns) = (self.time_ns / 1_000_000_000, self.time_ns % 1_000_000_000);
-            DatasetError::bad(name, format!("{} at {seconds}.{ns:09} s: {problem}", self.topic.name))
-        })
+        let (seconds, ns) = (self.time_ns / 1_000_000_000, self.time_ns % 1_000_000_000);
+        DatasetError::bad(name, format!("{} at {seconds}.{ns:09} s: {problem}", self.topic.name))
+    }
+
+    fn fetch(&self) -> Result<Vec<u8>, String> {
+        let path = self.bag.files[self.file].path();
+        match self.place {
+            Place::Row(id) => sqlite_file::fetch(path, id),
+            Place::Record { offset, before } => mcap_file::fetch(path, offset, before),
+        }
     }
 
     fn pixels(&self) -> Result<Pixels, String> {
-        let path = self.bag.files[self.file].path();
-        let bytes = match self.place {
-            Place::Row(id) => sqlite_file::fetch(path, id)?,
-            Place::Record { offset, before } => mcap_file::fetch(path, offset, before)?,
-        };
+        let bytes = self.fetch()?;
         let bytes = match bytes.starts_with(&file::ZSTD) {
-            true => zstd::decode_all(&bytes[..]).map_err(|error| error.to_string())?,
+            true => zstd::Decoder::new(&bytes[..])
+                .and_then(|packed| input::unpack(packed, input::limits().message_bytes))
+                .map_err(|error| error.to_string())?,
             false => bytes,
         };
         message::pixels(self.topic.kind(), &bytes)
-    }
-
-    /// See [`Source::identity`](crate::dataset::recording::Source::identity).
-    pub(in crate::dataset) fn identity(&self) -> String {
-        let file = &self.bag.files[self.file];
-        format!("{} {} {} {:?}", file.name.display(), file.bytes, self.topic.name, self.place)
     }
 
     /// File, topic and time, for messages.

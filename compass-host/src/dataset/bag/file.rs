@@ -1,8 +1,8 @@
 //! The files of a bag, recognised by their content.
 
 use super::sqlite_file;
+use crate::input::{self, limits};
 use crate::temporary::Temporary;
-use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use tempfile::{TempDir, TempPath};
@@ -38,10 +38,13 @@ const MAGIC: [(&[u8], Content); 4] = [
 /// First bytes of what zstd compressed.
 pub(super) const ZSTD: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
 
+/// A file of a bag may unpack to this many times its bytes beyond the limit; recordings reach about 10.
+const UNPACKED_RATIO: u64 = 100;
+
 /// What a file is.
 pub(super) fn content(path: &Path) -> io::Result<Content> {
     let mut head = Vec::new();
-    File::open(path)?.take(16).read_to_end(&mut head)?;
+    input::open(path)?.take(16).read_to_end(&mut head)?;
     let known = MAGIC.iter().find(|(magic, _)| head.starts_with(magic));
     Ok(known.map_or(Content::Other, |(_, content)| *content))
 }
@@ -55,8 +58,6 @@ pub(super) const ROS1: &str = "this is a ROS 1 bag; convert it to ROS 2, as with
 pub(super) struct BagFile {
     /// The path as stored in the bag.
     pub(super) name: PathBuf,
-    /// Its length there, bytes.
-    pub(super) bytes: u64,
     pub(super) storage: Storage,
     /// A copy that is read in its place, deleted with the bag.
     copy: Option<Copy>,
@@ -74,7 +75,6 @@ impl BagFile {
     /// Recognises a file, and copies it where it cannot be read in place.
     pub(super) fn open(name: PathBuf) -> Result<Self, String> {
         let unread = |error: io::Error| format!("cannot be read: {error}");
-        let bytes = std::fs::metadata(&name).map_err(unread)?.len();
         let mut found = content(&name).map_err(unread)?;
         let mut copy = None;
         if found == Content::Zstd {
@@ -94,7 +94,7 @@ impl BagFile {
                 .map_err(unread)?
                 .map(|(folder, path)| Copy::Merged { path, _folder: folder });
         }
-        Ok(Self { name, bytes, storage, copy })
+        Ok(Self { name, storage, copy })
     }
 
     /// Where to read it.
@@ -109,8 +109,14 @@ impl BagFile {
 
 /// Decompresses a file into a temporary one.
 fn unpack(packed: &Path) -> io::Result<Temporary<TempPath>> {
+    let packed = input::open(packed)?;
+    let limit =
+        packed.metadata()?.len().saturating_mul(UNPACKED_RATIO).saturating_add(limits().unpacked_bytes);
     let mut unpacked = Temporary::file()?;
-    zstd::stream::copy_decode(File::open(packed)?, unpacked.writer())?;
+    let mut source = zstd::Decoder::new(packed)?.take(limit.saturating_add(1));
+    if io::copy(&mut source, unpacked.writer())? > limit {
+        return Err(input::unpacks_to_more(limit));
+    }
     Ok(unpacked.close())
 }
 

@@ -2,6 +2,7 @@
 
 use super::place::{Found, Place, Take};
 use super::topic::Topic;
+use crate::input;
 use mcap::records::{MessageHeader, Record, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcap::sans_io::summary_reader::{SummaryReadEvent, SummaryReader, SummaryReaderOptions};
@@ -15,8 +16,11 @@ use std::path::Path;
 
 /// Largest read at a time, bytes: the length field of a damaged record may have any value.
 const READ_BYTES: usize = 1 << 20;
-/// Longest record of a chunk, bytes: its buffer is allocated before it is decompressed.
-const RECORD_BYTES: usize = 1 << 28;
+/// Longest record or unpacked chunk, bytes: its buffer is allocated before it is filled.
+fn record_bytes() -> usize {
+    usize::try_from(input::limits().message_bytes).unwrap_or(usize::MAX)
+}
+
 /// Bytes of a record's header: opcode and length.
 const HEAD: usize = 9;
 /// Bytes before the first record.
@@ -24,7 +28,7 @@ const MAGIC: u64 = 8;
 
 /// The topics of a file by name: from its summary, or of a file without one from all its records.
 pub(super) fn topics(path: &Path) -> Result<Vec<Topic>, String> {
-    let file = File::open(path).map_err(|error| error.to_string())?;
+    let file = input::open(path).map_err(|error| error.to_string())?;
     if let Ok(Some(summary)) = summary(&file)
         && !summary.channels.is_empty()
     {
@@ -38,8 +42,8 @@ pub(super) fn topics(path: &Path) -> Result<Vec<Topic>, String> {
         return Ok(by_name(summary.channels.values().map(|channel| topic(channel))));
     }
     let (mut schemas, mut channels) = (HashMap::new(), Vec::new());
-    let file = File::open(path).map_err(|error| error.to_string())?;
-    let options = LinearReaderOptions::default().with_record_length_limit(RECORD_BYTES);
+    let file = input::open(path).map_err(|error| error.to_string())?;
+    let options = LinearReaderOptions::default().with_record_length_limit(record_bytes());
     let read = records(file, options, |opcode, data| {
         match parse(opcode, data)? {
             Record::Schema { header, .. } => {
@@ -68,7 +72,7 @@ fn by_name(topics: impl Iterator<Item = Topic>) -> Vec<Topic> {
 }
 
 fn summary(mut file: &File) -> Result<Option<Summary>, McapError> {
-    let mut options = SummaryReaderOptions::default().with_record_length_limit(RECORD_BYTES);
+    let mut options = SummaryReaderOptions::default().with_record_length_limit(record_bytes());
     if let Ok(data) = file.metadata() {
         options = options.with_file_size(data.len());
     }
@@ -96,10 +100,11 @@ pub(super) struct Damage {
 
 /// Passes the messages of these topics to `take`; damaged chunks are passed over.
 pub(super) fn visit(path: &Path, topics: &[String], take: &mut Take<'_>) -> Result<Damage, String> {
-    let file = File::open(path).map_err(|error| error.to_string())?;
+    let file = input::open(path).map_err(|error| error.to_string())?;
     let mut channels = Channels { topics, numbers: HashMap::new() };
     let (mut offset, mut damage) = (MAGIC, Damage::default());
-    let whole = LinearReaderOptions::default().with_emit_chunks(true);
+    let whole =
+        LinearReaderOptions::default().with_emit_chunks(true).with_record_length_limit(record_bytes());
     let ended = records(file, whole, |opcode, data| {
         let here = offset;
         offset += (HEAD + data.len()) as u64;
@@ -133,7 +138,7 @@ pub(super) fn visit(path: &Path, topics: &[String], take: &mut Take<'_>) -> Resu
 
 /// Fetches a message of the record or chunk that begins at `offset`: the one with `before` messages before it there.
 pub(super) fn fetch(path: &Path, offset: u64, mut before: u32) -> Result<Vec<u8>, String> {
-    let mut file = File::open(path).map_err(|error| error.to_string())?;
+    let mut file = input::open(path).map_err(|error| error.to_string())?;
     file.seek(SeekFrom::Start(offset)).map_err(|error| error.to_string())?;
     let found = records(file, part(), |opcode, data| match (opcode, before) {
         (op::MESSAGE, 0) => Ok(Break(message(data)?.1.to_vec())),
@@ -193,7 +198,7 @@ fn part() -> LinearReaderOptions {
         .with_skip_start_magic(true)
         .with_skip_end_magic(true)
         .with_prevalidate_chunk_crcs(true)
-        .with_record_length_limit(RECORD_BYTES)
+        .with_record_length_limit(record_bytes())
 }
 
 /// Passes records to `take` until it breaks; `None` if it never does.

@@ -3,6 +3,7 @@
 use super::encoding::Encoded;
 use super::kind::Kind;
 use crate::image_file::{self, Pixels};
+use crate::input::{self, limits};
 use byteorder::{BigEndian, LittleEndian};
 use nalgebra::Vector3;
 use serde::Deserialize;
@@ -78,10 +79,12 @@ pub(super) fn stamp(mut message: impl Read) -> Result<u64, String> {
     nanoseconds(&decode(&head)?)
 }
 
+/// Longest reading of an IMU, bytes: the name of its frame is all that varies.
+const READING_BYTES: u64 = 1 << 16;
+
 /// The time in the header and the acceleration of a reading.
-pub(super) fn imu(mut message: impl Read) -> Result<(u64, Vector3<f64>), String> {
-    let mut bytes = Vec::new();
-    message.read_to_end(&mut bytes).map_err(|error| error.to_string())?;
+pub(super) fn imu(message: impl Read) -> Result<(u64, Vector3<f64>), String> {
+    let bytes = input::unpack(message, READING_BYTES).map_err(|error| error.to_string())?;
     let stamp = stamp(&bytes[..])?;
     let imu: Imu = decode(&bytes)?;
     let acceleration = Vector3::from(imu.linear_acceleration);
@@ -118,7 +121,7 @@ pub(super) fn pixels(kind: Kind, message: &[u8]) -> Result<Pixels, String> {
 const VIDEO: [&str; 5] = ["h264", "h265", "hevc", "vp9", "av1"];
 
 fn compressed(format: &str, data: &[u8]) -> Result<Pixels, String> {
-    image_file::decode(data).map_err(|error| {
+    image_file::decode(data, limits().frame_pixels).map_err(|error| {
         let is_video = VIDEO.iter().any(|video| format.to_lowercase().contains(video));
         if is_video { format!("its format is '{format}': video is not read") } else { error.to_string() }
     })
@@ -131,7 +134,7 @@ fn raw(
     step: u32,
     data: &[u8],
 ) -> Result<Pixels, String> {
-    image_file::check_size(width, height).map_err(|error| error.to_string())?;
+    image_file::check_size(width, height, limits().frame_pixels).map_err(|error| error.to_string())?;
     Encoded { encoding, width, height, step: step as usize, is_bigendian, data }.pixels()
 }
 

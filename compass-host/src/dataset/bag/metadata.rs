@@ -2,6 +2,7 @@
 
 use super::topic::Topic;
 use crate::image_file::one_line;
+use crate::input;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 
@@ -19,7 +20,8 @@ pub(super) struct Metadata {
 impl Metadata {
     /// Reads the file; the error says what is wrong with it.
     pub(super) fn read(path: &Path) -> Result<Self, String> {
-        Self::parse(&std::fs::read_to_string(path).map_err(|error| format!("cannot be read: {error}"))?)
+        let limit = input::limits().settings_bytes;
+        Self::parse(&input::read_text(path, limit).map_err(|error| format!("cannot be read: {error}"))?)
     }
 
     fn parse(text: &str) -> Result<Self, String> {
@@ -36,7 +38,10 @@ impl Metadata {
             Some(name) if info.version < BESIDE_METADATA => PathBuf::from(name),
             _ => file,
         };
-        let files = info.relative_file_paths.into_iter().map(beside).collect();
+        let files: Vec<_> = info.relative_file_paths.into_iter().map(beside).collect();
+        if let Some(outside) = files.iter().find(|file| !input::is_within(file)) {
+            return Err(format!("relative_file_paths: {} is outside of the bag", outside.display()));
+        }
         let topics = info.topics_with_message_count.into_iter().map(Topic::from).collect();
         Ok(Self { files, topics })
     }

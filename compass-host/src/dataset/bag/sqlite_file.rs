@@ -6,8 +6,10 @@
 
 use super::place::{Found, Place, Take};
 use super::topic::Topic;
+use crate::input::limits;
 use crate::temporary::Temporary;
 use rusqlite::blob::Blob;
+use rusqlite::config::DbConfig;
 use rusqlite::{Connection, OpenFlags, Result};
 use std::collections::HashMap;
 use std::fmt::Write as _;
@@ -15,10 +17,15 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
+/// Steps of the database's machine between two calls of the handler that ends a query without end.
+const STEPS_PER_CALL: i32 = 1_000_000;
+/// Bytes of the file for each such call: a row takes some ten steps, and at least as many bytes.
+const BYTES_PER_CALL: u64 = 10_000;
+
 /// The topics of a file.
 pub(super) fn topics(path: &Path) -> Result<Vec<Topic>, String> {
+    let database = open(path)?;
     let read = || {
-        let database = open(path)?;
         let mut statement =
             database.prepare("SELECT name, type, serialization_format FROM topics ORDER BY id")?;
         let rows = statement.query_map([], |row| {
@@ -48,7 +55,7 @@ fn count(database: &Connection, topics: &mut [Topic]) -> Result<()> {
 
 /// Passes the messages of these topics to `take`; the error is about the rest of the file.
 pub(super) fn visit(path: &Path, topics: &[String], take: &mut Take<'_>) -> Result<(), String> {
-    let database = open(path).map_err(problem)?;
+    let database = open(path)?;
     let wanted = numbers(&database, topics.iter().map(String::as_str)).map_err(problem)?;
     let query = "SELECT id, topic_id, timestamp FROM messages ORDER BY id";
     let mut statement = database.prepare(query).map_err(problem)?;
@@ -70,9 +77,15 @@ pub(super) fn visit(path: &Path, topics: &[String], take: &mut Take<'_>) -> Resu
 
 /// Fetches the message of a row.
 pub(super) fn fetch(path: &Path, id: i64) -> Result<Vec<u8>, String> {
-    let database = open(path).map_err(problem)?;
+    let database = open(path)?;
     let mut data = Vec::new();
     let mut blob = blob(&database, id).map_err(problem)?;
+    let (bytes, limit) = (u64::from(blob.size().max(0).unsigned_abs()), limits().message_bytes);
+    if bytes > limit {
+        return Err(format!(
+            "a message of {bytes} bytes, more than the limit of {limit}; --raise-limits raises it"
+        ));
+    }
     blob.read_to_end(&mut data).map_err(|error| error.to_string())?;
     Ok(data)
 }
@@ -101,12 +114,35 @@ fn beside(path: &Path, suffix: &str) -> PathBuf {
     PathBuf::from(name)
 }
 
-fn open(path: &Path) -> Result<Connection> {
+/// Opens a file that has the tables of a bag: a view in their place may run for ever.
+fn open(path: &Path) -> Result<Connection, String> {
+    let database = connect(path).map_err(problem)?;
+    let query = "SELECT COUNT(*) FROM sqlite_schema WHERE type = 'table' AND name IN ('topics', 'messages')";
+    let tables: i64 = database.query_row(query, [], |row| row.get(0)).map_err(problem)?;
+    match tables {
+        2 => Ok(database),
+        _ => Err("not an SQLite file of a ROS 2 bag: it lacks a table topics or messages".to_owned()),
+    }
+}
+
+fn connect(path: &Path) -> Result<Connection> {
     let flags =
         OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX | OpenFlags::SQLITE_OPEN_URI;
-    let database = Connection::open_with_flags(uri(path), flags)?;
+    let mut database = Connection::open_with_flags(uri(path), flags)?;
     // Without this a file that is shorter than its header says is refused; with it, its whole pages are read.
     database.pragma_update(None, "writable_schema", "ON")?;
+    // The file is a stranger's: what its schema says is not executed, and no query outlasts the file.
+    database.set_db_config(DbConfig::SQLITE_DBCONFIG_TRUSTED_SCHEMA, false)?;
+    database.set_db_config(DbConfig::SQLITE_DBCONFIG_ENABLE_TRIGGER, false)?;
+    database.set_db_config(DbConfig::SQLITE_DBCONFIG_ENABLE_VIEW, false)?;
+    let mut calls = std::fs::metadata(path).map_or(0, |data| data.len()) / BYTES_PER_CALL + 100;
+    database.progress_handler(
+        STEPS_PER_CALL,
+        Some(move || {
+            calls = calls.saturating_sub(1);
+            calls == 0
+        }),
+    )?;
     Ok(database)
 }
 

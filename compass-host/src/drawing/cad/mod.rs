@@ -9,6 +9,7 @@ mod walk;
 
 use super::unit::Unit;
 use super::{Drawing, DrawingError, guarded};
+use crate::input;
 use acadrust::{CadDocument, DwgReadOptions, DwgReader, DxfReader};
 use std::io::Read as _;
 use std::path::Path;
@@ -30,6 +31,8 @@ pub(crate) fn read(path: &Path, told: Option<Unit>) -> Result<Drawing, DrawingEr
 }
 
 fn parse(path: &Path) -> Result<CadDocument, DrawingError> {
+    input::check(path, input::limits().drawing_bytes)
+        .map_err(|error| DrawingError::Syntax(error.to_string()))?;
     let is_dwg = path.extension().is_some_and(|end| end.eq_ignore_ascii_case("dwg"));
     let document = if is_dwg {
         check_magic(path)?;
