@@ -62,13 +62,13 @@ pub fn decimals(values: impl IntoIterator<Item = f64>) -> Vec<Decimal> {
     values.into_iter().map(Decimal).collect()
 }
 
-/// Text for terminals and pages: control characters other than line breaks, and those that turn the direction of writing, are
+/// Text for terminals and pages: control characters other than line breaks and tabs, and those that turn the direction of writing, are
 /// written as their code points. Names and messages from files may hold any.
 #[must_use]
 pub fn printable(text: &str) -> Cow<'_, str> {
     let is_harmful = |c: char| {
         let turns = matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
-        turns || (c.is_control() && c != '\n')
+        turns || (c.is_control() && !['\n', '\t'].contains(&c))
     };
     if !text.contains(is_harmful) {
         return Cow::Borrowed(text);
@@ -127,7 +127,7 @@ pub fn check_file(path: &Path) -> Result<(), OutputError> {
         match target.metadata() {
             _ if is_stream(&target) => Ok(()),
             Ok(data) if data.is_dir() => Err(io::ErrorKind::IsADirectory.into()),
-            _ => Temporary::file_in(folder(&target), &builder()).map(drop).map_err(|error| plain(&error)),
+            _ => Temporary::file_in(folder(&target), &builder()).map(drop),
         }
     };
     check().map_err(|source| OutputError::Write { path: path.to_owned(), source })
@@ -179,14 +179,14 @@ fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
     }
     let before = path.metadata().ok();
     let directory = folder(path);
-    let mut file = Temporary::file_in(directory, &builder()).map_err(|e| plain(&e))?;
-    file.writer().write_all(bytes).map_err(|e| plain(&e))?;
+    let mut file = Temporary::file_in(directory, &builder())?;
+    file.writer().write_all(bytes)?;
     if let Some(before) = before {
-        file.writer().as_file().set_permissions(before.permissions())?;
+        file.writer().set_permissions(before.permissions())?;
     }
     // Before the name: a loss of power leaves the file of before or this one, whole.
-    file.writer().as_file().sync_all()?;
-    file.persist(path).map_err(|e| plain(&e))?;
+    file.writer().sync_all()?;
+    file.persist(path)?;
     sync_folder(directory);
     Ok(())
 }
@@ -194,11 +194,6 @@ fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
 /// Writes the names in a folder to the disk, where the system can; without that only a loss of power takes a new name.
 fn sync_folder(folder: &Path) {
     let _ = std::fs::File::open(folder).and_then(|folder| folder.sync_all());
-}
-
-/// The system's message alone: the error of `tempfile` names a temporary path that the user does not know.
-fn plain(error: &io::Error) -> io::Error {
-    error.raw_os_error().map_or_else(|| error.kind().into(), io::Error::from_raw_os_error)
 }
 
 /// Temporary files with the permissions of an ordinary new file instead of owner-only ones.

@@ -7,7 +7,7 @@ use minijinja::{Environment, context};
 use serde::Serialize;
 
 use crate::figures::FigureError;
-use crate::output::write_file;
+use crate::output::{printable, write_file};
 
 /// One section of a report: its parts are optional and appear in the order of the fields.
 #[derive(Debug, Clone, Default, Serialize)]
@@ -62,7 +62,7 @@ const PAGE: &str = include_str!("report.html");
 pub fn write_html(path: &Path, title: &str, sections: &[Section]) -> Result<(), FigureError> {
     let mut html = render(title, sections).map_err(|e| FigureError::draw(path, &e))?;
     html.push('\n');
-    Ok(write_file(path, html.as_bytes())?)
+    Ok(write_file(path, printable(&html).as_bytes())?)
 }
 
 fn render(title: &str, sections: &[Section]) -> Result<String, minijinja::Error> {

@@ -1,6 +1,7 @@
 //! Temporary files: removed when they are dropped, and by [`remove_all`] where a process ends without that.
 
 use std::collections::BTreeSet;
+use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -33,6 +34,11 @@ fn remove_folder(path: &Path) -> io::Result<()> {
     (0..ATTEMPTS).map(|_| std::fs::remove_dir_all(path)).find(Result::is_ok).unwrap_or(Ok(()))
 }
 
+/// The system's message alone: errors of `tempfile` name a path that the user does not know.
+fn plain(error: &io::Error) -> io::Error {
+    error.raw_os_error().map_or_else(|| error.kind().into(), io::Error::from_raw_os_error)
+}
+
 /// A path in the set of those that exist, until it is dropped.
 #[derive(Debug)]
 struct Listed(PathBuf);
@@ -54,7 +60,7 @@ impl<T> Temporary<T> {
     /// Creates one. The list is locked meanwhile, so that [`remove_all`] misses none.
     fn create(create: impl FnOnce() -> io::Result<T>, path: impl FnOnce(&T) -> &Path) -> io::Result<Self> {
         let mut paths = existing();
-        let item = create()?;
+        let item = create().map_err(|error| plain(&error))?;
         let path = path(&item).to_path_buf();
         paths.insert(path.clone());
         Ok(Self { item, listed: Listed(path) })
@@ -79,13 +85,13 @@ impl Temporary<NamedTempFile> {
     }
 
     /// What is written goes here.
-    pub(crate) const fn writer(&mut self) -> &mut NamedTempFile {
-        &mut self.item
+    pub(crate) fn writer(&mut self) -> &mut File {
+        self.item.as_file_mut()
     }
 
     /// Gives the file its final name, in place of one that has it.
     pub(crate) fn persist(self, path: &Path) -> io::Result<()> {
-        self.item.persist(path).map(drop).map_err(|error| error.error)
+        self.item.persist(path).map(drop).map_err(|error| plain(&error.error))
     }
 
     /// The file, closed.

@@ -488,6 +488,41 @@ fn a_bag_is_evaluated_as_its_frames_in_a_folder() {
     assert_eq!(folder.names(), before);
 }
 
+/// Parts of a recording, each in a folder of its own as on machines of a cluster, join to what one run finds.
+#[test]
+fn parts_join_to_the_whole() {
+    let folder = recording();
+    let line = "evaluate --map sample.site --calib rig.yaml --groundtruth poses.tum --dataset set --out";
+    let whole = folder.json(&format!("{line} whole"));
+    for part in 1..=2 {
+        let told = folder.json(&format!("{line} part{part} --shard {part}/2"));
+        assert_eq!((number(&told["frames"]), number(&told["resumed"])), (1.0, 0.0), "{told}");
+        assert!(!folder.path(&format!("part{part}/report.html")).exists());
+    }
+    let joined = folder.json(&format!("{line} joined --merge part1,part2"));
+    assert_eq!(number(&joined["resumed"]), 2.0);
+    assert_eq!((&joined["rows"], &joined["results"]), (&whole["rows"], &whole["results"]));
+    for name in ["single.tum", "track.tum"] {
+        assert!(folder.read(&format!("joined/{name}")) == folder.read(&format!("whole/{name}")), "{name}");
+    }
+    // Evidence that is damaged is not taken over, here or there; the frame is localized anew.
+    let damaged = std::fs::read_dir(folder.path("part1/evidence")).unwrap().next().unwrap().unwrap().path();
+    std::fs::write(&damaged, b"cut off").unwrap();
+    let ran = folder.run(&format!("{line} again --merge part1,part2"));
+    assert!(ran.status == Some(0) && ran.stderr.contains("part1: 0 of 1 frames"), "{}", ran.stderr);
+    std::fs::write(folder.path("joined/evidence").join(damaged.file_name().unwrap()), b"").unwrap();
+    let mended = folder.json(&format!("{line} joined"));
+    assert_eq!((number(&mended["resumed"]), &mended["results"]), (1.0, &whole["results"]));
+    // A frame whose picture changed is another frame.
+    let images = ["1000000000", "1500000000"].map(|stamp| folder.path(&format!("set/cam0/data/{stamp}.jpg")));
+    std::fs::copy(&images[1], &images[0]).unwrap();
+    assert_eq!(number(&folder.json(&format!("{line} joined"))["resumed"]), 1.0);
+    for (wrong, named) in [("3/2", "I/N"), ("0/2", "I/N"), ("x", "I/N")] {
+        let ran = folder.run(&format!("{line} x --shard {wrong}"));
+        assert!(ran.status == Some(2) && ran.stderr.contains(named), "{}", ran.stderr);
+    }
+}
+
 /// Ctrl-C ends a run with the status that shells use for it, and leaves no copy of a packed bag behind.
 #[test]
 #[cfg(unix)]

@@ -6,7 +6,7 @@ use crate::input;
 use crate::output::write_file;
 use std::collections::HashMap;
 use std::fs::{File, OpenOptions};
-use std::io::Write as _;
+use std::io::{ErrorKind, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -29,10 +29,11 @@ impl Journal {
         fingerprints: HashMap<u64, String>,
         whole: impl Fn(&Record) -> bool,
     ) -> Result<Self> {
-        let text = match input::read(path, input::limits().table_bytes) {
-            Ok(bytes) => String::from_utf8_lossy(&bytes).into_owned(),
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => String::new(),
-            Err(source) => return Err(EvaluateError::ReadJournal { path: path.to_path_buf(), source }),
+        let text = match read(path) {
+            Err(EvaluateError::ReadJournal { source, .. }) if source.kind() == ErrorKind::NotFound => {
+                String::new()
+            }
+            text => text?,
         };
         let mut records = HashMap::new();
         let mut kept = String::new();
@@ -52,6 +53,25 @@ impl Journal {
         let file = OpenOptions::new().append(true).open(path);
         let file = file.map_err(|source| EvaluateError::WriteJournal { path: path.to_path_buf(), source })?;
         Ok(Self { path: path.to_path_buf(), fingerprints, inner: Mutex::new((file, records)) })
+    }
+
+    /// Takes over records of another journal: of frames that have none yet, with their fingerprints, for which `take` does
+    /// what else is needed and agrees. Returns the number of lines there, and of records taken.
+    ///
+    /// # Errors
+    /// Names the file.
+    pub fn merge(&self, other: &Path, take: impl Fn(&Record) -> Result<bool>) -> Result<[usize; 2]> {
+        let text = read(other)?;
+        let mut taken = 0;
+        for record in text.lines().filter_map(parsed) {
+            let is_wanted = self.fingerprints.get(&record.timestamp_ns) == Some(&record.fingerprint)
+                && self.get(record.timestamp_ns).is_none();
+            if is_wanted && take(&record)? {
+                self.add(record)?;
+                taken += 1;
+            }
+        }
+        Ok([text.lines().count(), taken])
     }
 
     /// Number of records.
@@ -90,6 +110,13 @@ impl Journal {
     fn lock(&self) -> MutexGuard<'_, (File, HashMap<u64, Record>)> {
         self.inner.lock().unwrap_or_else(PoisonError::into_inner)
     }
+}
+
+/// The lines of a journal.
+fn read(path: &Path) -> Result<String> {
+    input::read(path, input::limits().table_bytes)
+        .map(|bytes| String::from_utf8_lossy(&bytes).into_owned())
+        .map_err(|source| EvaluateError::ReadJournal { path: path.to_path_buf(), source })
 }
 
 /// What separates the checksum of a line from the record.
@@ -185,7 +212,11 @@ mod tests {
         assert_eq!(journal.get(1), Some(Record { fingerprint: "a".into(), ..record(1) }));
         journal.add(record(3)).unwrap();
         assert_eq!(Journal::open(&path, prints("a"), |_| true).unwrap().len(), 2);
-        assert!(Journal::open(&path, prints("b"), |_| true).unwrap().is_empty());
+        let other = Journal::open(&folder.path().join("other.jsonl"), prints("a"), |_| true).unwrap();
+        other.add(record(1)).unwrap();
+        assert_eq!(other.merge(&path, |record| Ok(record.timestamp_ns != 2)).unwrap(), [2, 1]);
+        assert_eq!((other.len(), other.get(3)), (2, journal.get(3)));
+        assert!(other.merge(&folder.path().join("absent"), |_| Ok(true)).is_err());
         let text = std::fs::read_to_string(&path).unwrap();
         for (from, to) in
             [("\"x\":-21474836480", "\"x\":-21474836481"), ("checksum", "checksun"), ("\"}", "\"")]
@@ -194,5 +225,8 @@ mod tests {
             std::fs::write(&path, text.replace(from, to)).unwrap();
             assert!(Journal::open(&path, prints("a"), |_| true).unwrap().is_empty(), "{to}");
         }
+        std::fs::write(&path, &text).unwrap();
+        assert_eq!(Journal::open(&path, prints("a"), |_| true).unwrap().len(), 2);
+        assert!(Journal::open(&path, prints("b"), |_| true).unwrap().is_empty());
     }
 }

@@ -2,6 +2,7 @@
 
 use super::exit::Outcome;
 use super::heights::HeightArgs;
+use super::notes::note;
 use super::progress::Bars;
 use super::up::MountOption;
 use crate::cli::json::JsonOption;
@@ -25,6 +26,7 @@ use compass_host::progress::Progress as _;
 use compass_host::site_file::{SiteFile, SiteFloor};
 use compass_host::wall_check::WallSummary;
 use rayon::prelude::*;
+use serde::Serialize;
 use std::collections::HashMap;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -35,6 +37,15 @@ mod started;
 
 use output::{Frame, Output};
 use started::Started;
+
+/// The result of a part.
+#[derive(Debug, Serialize)]
+struct Part {
+    part: usize,
+    parts: usize,
+    frames: usize,
+    resumed: usize,
+}
 
 #[derive(Debug, clap::Args)]
 pub(super) struct Evaluate {
@@ -73,6 +84,12 @@ pub(super) struct Evaluate {
     /// Frames at a time [default: one per core]
     #[arg(long, value_name = "N")]
     jobs: Option<NonZeroUsize>,
+    /// Localize only the I-th of N parts of the frames, 1 to N; --merge joins the parts
+    #[arg(long, value_name = "I/N", value_parser = shard, conflicts_with = "merge")]
+    shard: Option<[usize; 2]>,
+    /// Output folders to take finished frames from, of --shard with the same input; what none has is localized
+    #[arg(long, value_name = "DIR,...", value_delimiter = ',')]
+    merge: Vec<PathBuf>,
     /// Which side of cam0's image is up, within 45 degrees, where the accelerometer does not tell
     #[arg(long, value_enum, default_value_t = MountOption::Auto)]
     mount: MountOption,
@@ -92,6 +109,13 @@ fn share(text: &str) -> Result<f64, String> {
     share.ok_or_else(|| "expected 0 to 1".to_owned())
 }
 
+/// Parses the number of a part and how many there are.
+fn shard(text: &str) -> Result<[usize; 2], String> {
+    let numbers = text.split_once('/').and_then(|(part, of)| part.parse().ok().zip(of.parse().ok()));
+    let good = numbers.filter(|(part, of)| (1..=*of).contains(part));
+    good.map(|(part, of)| [part, of]).ok_or_else(|| format!("'{text}' is not I/N with I from 1 to N"))
+}
+
 impl Evaluate {
     pub(super) fn run(&self) -> Result<Outcome> {
         self.json.check()?;
@@ -104,7 +128,9 @@ impl Evaluate {
         let calibration = Calibration::load_cameras(&self.calib, &self.cameras.clone().unwrap_or_default())?;
         let mut recording =
             Recording::read_with_progress(&self.dataset, self.topics.as_ref(), &calibration, &Bars)?;
-        recording.shots = recording.shots.into_iter().step_by(self.every.get()).collect();
+        let [part, parts] = self.shard.unwrap_or([1, 1]);
+        recording.shots =
+            recording.shots.into_iter().step_by(self.every.get()).skip(part - 1).step_by(parts).collect();
         let truth = Trajectory::read(&self.groundtruth)?;
         recording.faults.merge(truth.faults().clone());
         self.check_times(&truth, &recording.shots)?;
@@ -129,6 +155,7 @@ impl Evaluate {
             record.problem.is_some() || (record.evidence.is_some() && record.evidence == evidence())
         };
         let journal = Journal::open(&self.out.join("frames.jsonl"), fingerprints, is_whole)?;
+        self.take_over(&job, &journal)?;
         let resumed = journal.len();
         let jobs =
             self.jobs.or_else(|| std::thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
@@ -137,6 +164,9 @@ impl Evaluate {
                 started.undo();
             }
         })?;
+        if self.shard.is_some() {
+            return self.tell_part(&records, resumed);
+        }
         recording::complete(&mut recording, &calibration, &records, imu.is_some());
         let followed = sequence::follow(&job, &records, &mut locator, odometry.as_ref(), &Bars)?;
         let judge = Judge { layers: locator.layers(), floor };
@@ -147,6 +177,38 @@ impl Evaluate {
             .collect();
         self.write(&job, &recording, &frames, resumed, &followed)?;
         recording::check_share(&recording, &records, self.max_left_out)?;
+        Ok(Outcome::Done)
+    }
+
+    /// Takes finished frames from other folders.
+    fn take_over(&self, job: &Job<'_>, journal: &Journal) -> Result<()> {
+        for folder in &self.merge {
+            let evidence_of = |record: &Record| -> Result<bool, EvaluateError> {
+                let Some(fingerprint) = &record.evidence else { return Ok(record.problem.is_some()) };
+                let ours = job.evidence_file(record.timestamp_ns);
+                let theirs = folder.join("evidence").join(ours.file_name().unwrap_or_default());
+                Evidence::copy(&theirs, fingerprint, &ours)
+            };
+            let [lines, taken] = journal.merge(&folder.join("frames.jsonl"), evidence_of)?;
+            if taken < lines {
+                let folder = folder.display();
+                note(&format!(
+                    "{folder}: {taken} of {lines} frames are of this input and this build, and not known yet"
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// Says how far a part is.
+    fn tell_part(&self, records: &[Record], resumed: usize) -> Result<Outcome> {
+        let [part, parts] = self.shard.unwrap_or([1, 1]);
+        let part = Part { part, parts, frames: records.len(), resumed };
+        let Part { part: number, frames, .. } = part;
+        self.json.emit(
+            &part,
+            &format!("part {number} of {parts}: {frames} frames, {resumed} from an earlier run\n"),
+        )?;
         Ok(Outcome::Done)
     }
 
