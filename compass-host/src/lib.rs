@@ -57,6 +57,7 @@
 //! | [`compare`], [`plan_descriptor`] | the core against the float reference, descriptors of places |
 //! | [`figures`], [`report`] | pictures and pages |
 //! | [`evaluate`] | recordings against the truth |
+//! | [`fit`] | constants fitted to what is known to be right |
 //!
 //! # Features
 //!
@@ -75,6 +76,7 @@ mod drawing;
 pub mod dual_image;
 pub mod evaluate;
 pub mod figures;
+pub mod fit;
 pub mod frame;
 pub mod image_file;
 pub mod input;

@@ -123,7 +123,8 @@ fn tally<'a>(site: &SiteFile, told: &Told, pairs: impl Iterator<Item = (&'a Pair
         let (Some(pose), probability) = (fix.pose(), fix.probability()) else { continue };
         let is_right = truth.is_some_and(|truth| {
             let [x, y] = [pose.at.x.to_num::<f64>(), pose.at.y.to_num::<f64>()];
-            let turn = compass_tests::angle(f64::from(pose.heading.to_microdegrees()) / 1e6, truth.heading_deg());
+            let turn =
+                compass_tests::angle(f64::from(pose.heading.to_microdegrees()) / 1e6, truth.heading_deg());
             (x - truth.position.x).hypot(y - truth.position.y) <= 1.0 && turn.abs() <= 30.0
         });
         match (probability >= SAID, is_right) {

@@ -8,6 +8,7 @@ mod demo;
 mod describe;
 mod evaluate;
 mod exit;
+mod fit;
 mod gravity;
 mod heights;
 mod json;
@@ -58,6 +59,9 @@ enum Command {
     Localize(localize::Localize),
     /// Localize a recording frame by frame and as a sequence, and hold it against the truth
     Evaluate(evaluate::Evaluate),
+    /// Fit constants to localizations of known poses
+    #[command(subcommand)]
+    Fit(fit::Fit),
     /// Pack the frames of one or two cameras as a board reads them
     Pack(pack::Pack),
     /// Compare the fixed-point core with the float reference, stage by stage
@@ -87,6 +91,7 @@ impl Cli {
             Command::Map(command) => command.run(),
             Command::Localize(command) => command.run(),
             Command::Evaluate(command) => command.run(),
+            Command::Fit(command) => command.run(),
             Command::Pack(command) => command.run(),
             Command::Compare(command) => command.run(),
             Command::CompareHits(command) => command.run(),

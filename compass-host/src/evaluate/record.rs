@@ -124,6 +124,13 @@ impl Record {
         score(0).saturating_sub(score(1)).min(score(0).saturating_sub(rival).max(Nats::ZERO)).to_num()
     }
 
+    /// The [margin](Self::margin), at most the score: "not in this plan" scores 0. Nats.
+    #[must_use]
+    pub fn lead(&self) -> f64 {
+        let score = self.single.first().map_or(Nats::ZERO, |found| Nats::from_bits(found.score));
+        self.margin().clamp(0.0, score.to_num::<f64>().max(0.0))
+    }
+
     /// Estimated probability that the best pose is right.
     #[must_use]
     pub fn probability(&self) -> f32 {

@@ -77,6 +77,10 @@ pub(super) struct Frame<'a> {
     pub(super) up_from: Option<&'static str>,
     /// Lead of the single frame's pose over the best one elsewhere, nats.
     pub(super) margin: Decimal,
+    /// Lead over the second best explanation, which may be that the place is not in the plan, nats.
+    pub(super) lead: Decimal,
+    /// Probability of the single frame's pose.
+    pub(super) probability: Decimal,
     pub(super) single: Option<Placed<'a>>,
     pub(super) track: Option<Tracked<'a>>,
     pub(super) oracle: Option<Placed<'a>>,
@@ -103,6 +107,8 @@ impl<'a> Frame<'a> {
             problem: frame.record.problem.as_deref(),
             up_from: frame.record.up.map(|_| frame.record.up_from.name()),
             margin: Decimal(frame.record.margin()),
+            lead: Decimal(frame.record.lead()),
+            probability: Decimal(f64::from(frame.record.probability())),
             single: placed(single.first(), 0),
             track: placed(frame.track.as_ref(), 1).zip(frame.estimate).map(|(placed, estimate)| Tracked {
                 placed,
