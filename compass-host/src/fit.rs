@@ -7,6 +7,8 @@ use nalgebra::{Matrix2, Vector2};
 
 /// Steps of Newton's method; ten suffice.
 const MAX_STEPS: usize = 100;
+/// Log likelihood, negated, below which nothing is left to chance.
+const CERTAIN: f64 = 1e-6;
 /// Change of the log likelihood that ends them.
 const CONVERGED: f64 = 1e-10;
 
@@ -44,10 +46,9 @@ impl Logistic {
             let (gradient, information) = fitted.slopes(answers);
             let covariance = information.try_inverse()?;
             if (now - likelihood).abs() < CONVERGED {
-                return weights
-                    .iter()
-                    .all(|weight| weight.is_finite())
-                    .then_some(Self { weights, covariance });
+                // Without an error the weights have no bound.
+                let is_bounded = now < -CERTAIN && weights.iter().all(|weight| weight.is_finite());
+                return is_bounded.then_some(Self { weights, covariance });
             }
             (likelihood, weights) = (now, weights + covariance * gradient);
         }
@@ -142,7 +143,7 @@ mod tests {
             let is_right = random.random::<f64>() < probability;
             Answer { building: number % 4, lead, is_right, is_foreign: !is_right && number.is_multiple_of(3) }
         };
-        (0..4000).map(|number| answer(number)).collect()
+        (0..4000).map(&mut answer).collect()
     }
 
     #[test]

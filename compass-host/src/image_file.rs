@@ -1,5 +1,6 @@
 //! Decodes image files to 8-bit gray or RGB; transparency is blended with white.
 
+use crate::guard::{GAVE_UP, guarded};
 use crate::input;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -141,7 +142,8 @@ pub fn decode(bytes: &[u8], max_pixels: u64) -> Result<Pixels, DecodeError> {
     if format == ImageFormat::Jpeg && !jpeg_is_ended(bytes) {
         return jpeg_without_end(bytes, max_pixels);
     }
-    decode_as(format, bytes, max_pixels)
+    let gave_up = || DecodeError::Damaged { reason: GAVE_UP.to_owned() };
+    guarded(|| decode_as(format, bytes, max_pixels)).unwrap_or_else(|| Err(gave_up()))
 }
 
 fn decode_as(format: ImageFormat, bytes: &[u8], max_pixels: u64) -> Result<Pixels, DecodeError> {

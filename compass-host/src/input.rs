@@ -114,6 +114,7 @@ pub fn read_whole(path: &Path) -> io::Result<Vec<u8>> {
 }
 
 /// [`read`], of text in UTF-8.
+#[cfg(any(feature = "bag", feature = "drawings", test))]
 pub(crate) fn read_text(path: &Path, limit: u64) -> io::Result<String> {
     String::from_utf8(read(path, limit)?)
         .map_err(|_| io::Error::new(io::ErrorKind::InvalidData, "not text in UTF-8"))

@@ -78,6 +78,7 @@ pub mod evaluate;
 pub mod figures;
 pub mod fit;
 pub mod frame;
+mod guard;
 pub mod image_file;
 pub mod input;
 pub mod interior;
@@ -97,6 +98,8 @@ pub mod sample;
 pub mod simulate;
 pub mod site;
 pub mod site_file;
+// Where a file is, only bags ask.
+#[cfg_attr(not(feature = "bag"), allow(dead_code))]
 pub mod temporary;
 pub mod up;
 pub mod up_by_plan;

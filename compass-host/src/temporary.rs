@@ -5,7 +5,9 @@ use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use tempfile::{Builder, NamedTempFile, TempDir, TempPath};
+use tempfile::{Builder, NamedTempFile};
+#[cfg(feature = "bag")]
+use tempfile::{TempDir, TempPath};
 
 /// Those that exist now.
 static EXISTING: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
@@ -101,9 +103,9 @@ impl Temporary<NamedTempFile> {
     }
 }
 
+#[cfg(feature = "bag")]
 impl Temporary<TempDir> {
     /// A folder in the folder for temporary files.
-    #[cfg(feature = "bag")]
     pub(crate) fn folder() -> io::Result<Self> {
         Self::create(TempDir::new, |folder| folder.path())
     }

@@ -147,6 +147,12 @@ fn a_record_may_claim_any_length() {
         folder.write("long.mcap", &[b"\x89MCAP0\r\n", &record[..]].concat());
         refused(&folder, &format!("{EVALUATE} long.mcap"), "long.mcap: ");
     }
+    // An attachment too short for its checksum was a panic of the reader.
+    for opcode in 1..=15_u8 {
+        let record = [&[opcode][..], &37_u64.to_le_bytes(), &[0; 37]].concat();
+        folder.write("short.mcap", &[b"\x89MCAP0\r\n", &record[..], &record].concat());
+        refused(&folder, &format!("{EVALUATE} short.mcap"), "short.mcap: ");
+    }
 }
 
 #[test]

@@ -158,7 +158,7 @@ fn what_shows_nothing_or_another_building_is_not_said() {
     let pairs: Vec<Pair> = poses.iter().map(|pose| sample_frames(pose, SIZE)).collect();
     let with_truth = |pairs: &[Pair]| {
         let right = Told::right();
-        let truths = poses.iter().map(|pose| Some(pose.clone()));
+        let truths = poses.iter().map(|pose| Some(*pose));
         tally(&home, &right, pairs.iter().zip(truths))
     };
     let own = with_truth(&pairs);

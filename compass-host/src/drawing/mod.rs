@@ -12,6 +12,8 @@ pub(crate) mod pdf;
 pub(crate) mod svg;
 pub(crate) mod unit;
 
+#[cfg(any(feature = "cad", feature = "drawings"))]
+use crate::guard;
 use std::collections::BTreeMap;
 use unit::Unit;
 
@@ -78,11 +80,10 @@ pub(crate) enum DrawingError {
     TooLarge,
 }
 
-/// What a reader of other people's code makes of a stranger's file: its panic is an error of the file.
+/// What a reader makes of a file; its panic is an error of the file.
 #[cfg(any(feature = "cad", feature = "drawings"))]
 fn guarded<T>(read: impl FnOnce() -> Result<T, DrawingError>) -> Result<T, DrawingError> {
-    std::panic::catch_unwind(std::panic::AssertUnwindSafe(read))
-        .unwrap_or_else(|_| Err(DrawingError::Syntax("the reader gave up".into())))
+    guard::guarded(read).unwrap_or_else(|| Err(DrawingError::Syntax(guard::GAVE_UP.into())))
 }
 
 impl Drawing {

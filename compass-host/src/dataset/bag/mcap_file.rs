@@ -2,6 +2,7 @@
 
 use super::place::{Found, Place, Take};
 use super::topic::Topic;
+use crate::guard;
 use crate::input;
 use mcap::records::{MessageHeader, Record, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
@@ -26,8 +27,17 @@ const HEAD: usize = 9;
 /// Bytes before the first record.
 const MAGIC: u64 = 8;
 
+/// What a reader makes of a file; its panic is an error of the file.
+fn guarded<T>(read: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
+    guard::guarded(read).unwrap_or_else(|| Err(format!("not a whole MCAP file: {}", guard::GAVE_UP)))
+}
+
 /// The topics of a file by name: from its summary, or of a file without one from all its records.
 pub(super) fn topics(path: &Path) -> Result<Vec<Topic>, String> {
+    guarded(|| read_topics(path))
+}
+
+fn read_topics(path: &Path) -> Result<Vec<Topic>, String> {
     let file = input::open(path).map_err(|error| error.to_string())?;
     if let Ok(Some(summary)) = summary(&file)
         && !summary.channels.is_empty()
@@ -45,12 +55,15 @@ pub(super) fn topics(path: &Path) -> Result<Vec<Topic>, String> {
     let file = input::open(path).map_err(|error| error.to_string())?;
     let options = LinearReaderOptions::default().with_record_length_limit(record_bytes());
     let read = records(file, options, |opcode, data| {
-        match parse(opcode, data)? {
-            Record::Schema { header, .. } => {
-                schemas.insert(header.id, header.name);
+        // Others are not asked to be right.
+        if matches!(opcode, op::SCHEMA | op::CHANNEL) {
+            match parse(opcode, data)? {
+                Record::Schema { header, .. } => {
+                    schemas.insert(header.id, header.name);
+                }
+                Record::Channel(channel) => channels.push(channel),
+                _ => {}
             }
-            Record::Channel(channel) => channels.push(channel),
-            _ => {}
         }
         Ok(if opcode == op::DATA_END { Break(()) } else { Continue(()) })
     });
@@ -100,6 +113,10 @@ pub(super) struct Damage {
 
 /// Passes the messages of these topics to `take`; damaged chunks are passed over.
 pub(super) fn visit(path: &Path, topics: &[String], take: &mut Take<'_>) -> Result<Damage, String> {
+    guarded(|| visit_records(path, topics, take))
+}
+
+fn visit_records(path: &Path, topics: &[String], take: &mut Take<'_>) -> Result<Damage, String> {
     let file = input::open(path).map_err(|error| error.to_string())?;
     let mut channels = Channels { topics, numbers: HashMap::new() };
     let (mut offset, mut damage) = (MAGIC, Damage::default());
@@ -137,7 +154,11 @@ pub(super) fn visit(path: &Path, topics: &[String], take: &mut Take<'_>) -> Resu
 }
 
 /// Fetches a message of the record or chunk that begins at `offset`: the one with `before` messages before it there.
-pub(super) fn fetch(path: &Path, offset: u64, mut before: u32) -> Result<Vec<u8>, String> {
+pub(super) fn fetch(path: &Path, offset: u64, before: u32) -> Result<Vec<u8>, String> {
+    guarded(|| fetch_record(path, offset, before))
+}
+
+fn fetch_record(path: &Path, offset: u64, mut before: u32) -> Result<Vec<u8>, String> {
     let mut file = input::open(path).map_err(|error| error.to_string())?;
     file.seek(SeekFrom::Start(offset)).map_err(|error| error.to_string())?;
     let found = records(file, part(), |opcode, data| match (opcode, before) {

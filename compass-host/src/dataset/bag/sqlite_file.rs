@@ -41,7 +41,8 @@ pub(super) fn topics(path: &Path) -> Result<Vec<Topic>, String> {
 
 /// Counts the messages of the topics.
 fn count(database: &Connection, topics: &mut [Topic]) -> Result<()> {
-    let ids = numbers(database, topics.iter().map(|topic| topic.name.as_str()))?;
+    let names: Vec<&str> = topics.iter().map(|topic| topic.name.as_str()).collect();
+    let ids = numbers(database, &names)?;
     let mut statement = database.prepare("SELECT topic_id, COUNT(*) FROM messages GROUP BY topic_id")?;
     let rows = statement.query_map([], |row| Ok((row.get::<_, i64>(0)?, row.get::<_, i64>(1)?)))?;
     for row in rows {
@@ -56,7 +57,8 @@ fn count(database: &Connection, topics: &mut [Topic]) -> Result<()> {
 /// Passes the messages of these topics to `take`; the error is about the rest of the file.
 pub(super) fn visit(path: &Path, topics: &[String], take: &mut Take<'_>) -> Result<(), String> {
     let database = open(path)?;
-    let wanted = numbers(&database, topics.iter().map(String::as_str)).map_err(problem)?;
+    let names: Vec<&str> = topics.iter().map(String::as_str).collect();
+    let wanted = numbers(&database, &names).map_err(problem)?;
     let query = "SELECT id, topic_id, timestamp FROM messages ORDER BY id";
     let mut statement = database.prepare(query).map_err(problem)?;
     let mut rows = statement.query([]).map_err(problem)?;
@@ -160,16 +162,13 @@ fn uri(path: &Path) -> String {
 }
 
 /// The ids of our topics in the file; a split bag may list a topic twice.
-fn numbers<'a>(
-    database: &Connection,
-    topics: impl Iterator<Item = &'a str> + Clone,
-) -> Result<HashMap<i64, usize>> {
+fn numbers(database: &Connection, topics: &[&str]) -> Result<HashMap<i64, usize>> {
     let mut statement = database.prepare("SELECT id, name FROM topics")?;
     let rows = statement.query_map([], |row| Ok((row.get::<_, i64>(0)?, row.get::<_, String>(1)?)))?;
     let mut wanted = HashMap::new();
     for row in rows {
         let (id, name) = row?;
-        if let Some(topic) = topics.clone().position(|topic| topic == name) {
+        if let Some(topic) = topics.iter().position(|topic| *topic == name) {
             wanted.insert(id, topic);
         }
     }
