@@ -1,6 +1,7 @@
 //! Why frames leave no pose that is sure, in words for a person.
 
 use crate::frame::Frame;
+use crate::site_file::SiteFloor;
 use compass_core::Fix;
 use compass_core::pose::probability_of;
 use std::fmt::Write as _;
@@ -13,6 +14,8 @@ const BRIGHT: u8 = 235;
 ///
 /// The least of 155 real, rendered and simulated frames is 9; a real one blurred with a deviation of 8 pixels of 1472 has 7.
 const DETAIL: u8 = 8;
+/// Distance of candidates, millimetres, above which a map is coarse.
+const COARSE_MM: u32 = 1000;
 /// Every which row is looked at.
 const STRIDE: usize = 4;
 
@@ -65,6 +68,18 @@ fn percentile(counts: &[usize; 256], percent: usize) -> Option<u8> {
         below * 100 > whole * percent
     })?;
     u8::try_from(level).ok()
+}
+
+/// What is wrong with the maps of a site: candidates so far apart that the search may pass over the place between them.
+///
+/// Found within 1 m by spacing: `docs/measured.md`, "Real rooms".
+#[must_use]
+pub fn of_maps(floors: &[SiteFloor<'_>]) -> Option<String> {
+    let widest = floors.iter().map(|floor| floor.map.header().spacing_mm).max()?;
+    (widest > COARSE_MM).then(|| {
+        let metres = f64::from(widest) / 1000.0;
+        format!("the candidates of the map are {metres} m apart, and places between them may be missed: build it with --spacing 0.5")
+    })
 }
 
 /// Why the likeliest pose does not reach a probability.

@@ -154,7 +154,8 @@ fn is_standard_output(path: &Path) -> bool {
 /// file that is renamed would take its place.
 fn is_stream(path: &Path) -> bool {
     let is_other = path.metadata().is_ok_and(|data| !data.is_file() && !data.is_dir());
-    is_other || ["/dev", "/proc"].iter().any(|folder| path.starts_with(folder) && path.exists())
+    let descriptors = ["/dev/stdin", "/dev/stdout", "/dev/stderr", "/dev/fd", "/proc/self/fd"];
+    is_other || descriptors.iter().any(|name| path.starts_with(name) && path.exists())
 }
 
 /// Most symbolic links that are followed, as on Linux.

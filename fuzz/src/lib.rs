@@ -1,28 +1,30 @@
 //! What the fuzz targets share: a small building, edits of valid files, and files in memory.
 
+use compass_core::base::crc::Sink;
 use compass_core::vision::camera::{Camera, Equidistant, View};
 use compass_core::vision::shot;
 use compass_core::{Bearing, BitMask, GrayImage, Intrinsics, Rig};
-use compass_host::output::Bytes;
-use compass_host::plan_import::PlanRaster;
-use compass_host::sample;
-use compass_host::site::{BuildOptions, PackedPlan};
-use compass_host::site_file::floor_bytes;
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
 /// Pixels of a frame.
 pub const SIZE: [u16; 2] = [48, 40];
 
-/// The site file of the sample building, with few candidates.
+/// The site file of the sample building.
 pub fn site() -> &'static [u8] {
-    static SITE: OnceLock<Vec<u8>> = OnceLock::new();
-    SITE.get_or_init(|| {
-        let raster = PlanRaster::from(sample::building());
-        let plan = PackedPlan::new(&raster).expect("the sample packs");
-        let options = BuildOptions { spacing_m: 4.0, ..BuildOptions::default() };
-        floor_bytes("sample", &raster, &plan, None, &options).expect("the sample has candidates")
-    })
+    include_bytes!("../../tests/vectors/sample.site")
+}
+
+/// Bytes in memory.
+#[derive(Debug, Default)]
+struct Bytes(Vec<u8>);
+
+impl Sink for Bytes {
+    type Error = std::convert::Infallible;
+    fn append(&mut self, bytes: &[u8]) -> Result<(), Self::Error> {
+        self.0.extend_from_slice(bytes);
+        Ok(())
+    }
 }
 
 /// A rig of two lenses back to back.

@@ -5,9 +5,7 @@ use compass_host::dataset::recording::{Recording, Topics};
 use compass_host::dataset::tum::{self, Pose};
 use compass_host::progress::{Progress, Steps};
 use compass_tests::bag::{Bag, Layout};
-#[cfg(unix)]
-use compass_tests::compass;
-use compass_tests::{Folder, number};
+use compass_tests::{Folder, compass, number};
 use serde_json::Value;
 use std::path::Path;
 use std::sync::Arc;
@@ -521,6 +519,55 @@ fn parts_join_to_the_whole() {
         let ran = folder.run(&format!("{line} x --shard {wrong}"));
         assert!(ran.status == Some(2) && ran.stderr.contains(named), "{}", ran.stderr);
     }
+}
+
+/// A run that is killed anywhere continues to what an undisturbed one finds.
+#[test]
+fn a_killed_run_continues() {
+    let folder = recording();
+    let line =
+        "evaluate --map sample.site --calib rig.yaml --groundtruth poses.tum --dataset set --jobs 1 --out";
+    let whole = folder.json(&format!("{line} whole"));
+    for milliseconds in [20, 100, 300, 600, 1000, 1500] {
+        let mut command = std::process::Command::new(compass());
+        command.args(line.split_whitespace()).arg("out").current_dir(folder.path(""));
+        command.stdout(std::process::Stdio::null());
+        let mut running = command.spawn().unwrap();
+        std::thread::sleep(std::time::Duration::from_millis(milliseconds));
+        // It may have ended; what it left is then whole.
+        let _ = running.kill();
+        running.wait().unwrap();
+        let found = folder.json(&format!("{line} out"));
+        assert_eq!(
+            (&found["rows"], &found["results"]),
+            (&whole["rows"], &whole["results"]),
+            "{milliseconds} ms"
+        );
+        assert!(folder.read("out/track.tum") == folder.read("whole/track.tum"), "{milliseconds} ms");
+        std::fs::remove_dir_all(folder.path("out")).unwrap();
+    }
+}
+
+/// A map is whole or absent, whenever its making is killed.
+#[test]
+fn a_killed_build_leaves_no_half_a_map() {
+    let folder = Folder::new();
+    let mut whole = 0;
+    for milliseconds in [1, 10, 30, 60, 120, 250, 500, 5000] {
+        let mut command = std::process::Command::new(compass());
+        command.args("map build sample.png --out made.site".split_whitespace()).current_dir(folder.path(""));
+        command.stdout(std::process::Stdio::null());
+        let mut running = command.spawn().unwrap();
+        std::thread::sleep(std::time::Duration::from_millis(milliseconds));
+        let _ = running.kill();
+        running.wait().unwrap();
+        if folder.path("made.site").exists() {
+            let _ = folder.json("map info made.site");
+            whole += 1;
+            std::fs::remove_file(folder.path("made.site")).unwrap();
+        }
+    }
+    assert!(whole > 0, "it was never made");
 }
 
 /// Ctrl-C ends a run with the status that shells use for it, and leaves no copy of a packed bag behind.

@@ -202,4 +202,8 @@ proptest! {
 fn a_lens_without_depth_is_refused() {
     let intrinsics = Intrinsics { fx: 1582.8, fy: 2095.2, cx: 5807.0, cy: 15172.0 };
     assert_eq!(Eucm::new(intrinsics, 0.41953126, 3.4e38), Err(CameraError::Field));
+    let intrinsics = Intrinsics { fx: f32::MIN_POSITIVE, fy: 0.5, cx: 0.5, cy: 0.0 };
+    let point = Radtan { k1: 0.0, k2: 0.0, p1: 0.0, p2: 0.0, k3: 0.0 };
+    let lens = Camera::Omni(Omni::new(intrinsics, f32::MAX, point).unwrap());
+    assert_eq!(lens.unproject(Pixel { x: 0.5, y: 0.0 }), None);
 }

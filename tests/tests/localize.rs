@@ -84,6 +84,20 @@ fn what_is_not_sure_is_not_said() {
 }
 
 #[test]
+fn a_map_too_coarse_is_said() {
+    let (folder, options) = folder_with_frames();
+    let _ = folder.json("map build sample.png --spacing 2 --out coarse.site");
+    let words = "the candidates of the map are 2 m apart";
+    for (least, status) in [("0", 0), ("1", 1)] {
+        let line = format!("localize --map coarse.site {options} --mount inverted --min-probability {least}");
+        let ran = folder.run(&line);
+        assert_eq!(ran.status, Some(status), "{}", ran.stderr);
+        let said = if status == 0 { &ran.stderr } else { &ran.stdout };
+        assert!(said.contains(words), "{}{}", ran.stdout, ran.stderr);
+    }
+}
+
+#[test]
 fn one_camera_works() {
     let folder = Folder::new();
     let _ = folder.write_frames(&sample_frames(&pose(), (736, 720)));

@@ -3,6 +3,7 @@
 use crate::cli::cameras::CameraArgs;
 use crate::cli::exit::Outcome;
 use crate::cli::json::JsonOption;
+use crate::cli::notes::note;
 use crate::cli::pose::{Pose, milliseconds};
 use anyhow::{Context as _, Result};
 use compass_core::base::num::Metres;
@@ -123,13 +124,18 @@ pub(super) fn run(map: &Path, input: &Input<'_>, options: &Options, json: &JsonO
         Found::Nothing(reason) => return unsure(0.0, reason, Vec::new(), json),
     };
     let Located { up, fix, walls, layers, fault } = located;
+    let coarse = doubt::of_maps(&floors);
     let poses: Vec<_> = fix.poses().iter().map(|scored| pose(scored, &layers)).collect();
     let probability = f64::from(fix.probability());
     let best = poses.first().copied().zip(fix.best()).filter(|_| options.is_sure(&fix));
     let Some((best, scored)) = best else {
-        let reason = with_fault(doubt::of_fix(&fix, options.least_probability), fault);
+        let reason = with_fault(doubt::of_fix(&fix, options.least_probability), coarse);
+        let reason = with_fault(reason, fault);
         return unsure(probability, reason, poses, json);
     };
+    if let Some(coarse) = coarse {
+        note(&format!("{}: {coarse}", map.display()));
+    }
     let errors = options.truth.map(|(at, heading)| best.error(at, heading));
     let layer = usize::from(fix.layer_number().unwrap_or(0));
     let output = Output {
@@ -162,7 +168,7 @@ fn unsure(probability: f64, reason: String, candidates: Vec<Pose<'_>>, json: &Js
     Ok(Outcome::No)
 }
 
-/// A reason with what is wrong with the frames.
+/// A reason with what else is wrong.
 fn with_fault(reason: String, fault: Option<String>) -> String {
     match fault {
         Some(fault) => format!("{reason}; {fault}"),
