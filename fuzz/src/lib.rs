@@ -119,10 +119,13 @@ fn seal(header: &mut [u8]) {
     }
 }
 
-/// A file in memory with these bytes; one of a name at a time.
+/// A file in memory with these bytes; one of a name at a time. `COMPASS_FUZZ_FOLDER` names the folder.
 pub fn file(name: &str, bytes: &[u8]) -> PathBuf {
     static FOLDER: OnceLock<PathBuf> = OnceLock::new();
     let folder = FOLDER.get_or_init(|| {
+        if let Some(folder) = std::env::var_os("COMPASS_FUZZ_FOLDER") {
+            return folder.into();
+        }
         let shared = PathBuf::from("/dev/shm");
         let parent = if shared.is_dir() { shared } else { std::env::temp_dir() };
         let folder = parent.join(format!("compass-fuzz-{}", std::process::id()));
