@@ -497,6 +497,8 @@ fn parts_join_to_the_whole() {
         assert_eq!((number(&told["frames"]), number(&told["resumed"])), (1.0, 0.0), "{told}");
         assert!(!folder.path(&format!("part{part}/report.html")).exists());
     }
+    let none = folder.json(&format!("{line} none --shard 5/5"));
+    assert_eq!(number(&none["frames"]), 0.0, "there are more parts than frames");
     let joined = folder.json(&format!("{line} joined --merge part1,part2"));
     assert_eq!(number(&joined["resumed"]), 2.0);
     assert_eq!((&joined["rows"], &joined["results"]), (&whole["rows"], &whole["results"]));

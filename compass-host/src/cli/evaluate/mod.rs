@@ -128,12 +128,12 @@ impl Evaluate {
         let calibration = Calibration::load_cameras(&self.calib, &self.cameras.clone().unwrap_or_default())?;
         let mut recording =
             Recording::read_with_progress(&self.dataset, self.topics.as_ref(), &calibration, &Bars)?;
-        let [part, parts] = self.shard.unwrap_or([1, 1]);
-        recording.shots =
-            recording.shots.into_iter().step_by(self.every.get()).skip(part - 1).step_by(parts).collect();
+        recording.shots = recording.shots.into_iter().step_by(self.every.get()).collect();
         let truth = Trajectory::read(&self.groundtruth)?;
         recording.faults.merge(truth.faults().clone());
         self.check_times(&truth, &recording.shots)?;
+        let [part, parts] = self.shard.unwrap_or([1, 1]);
+        recording.shots = recording.shots.into_iter().skip(part - 1).step_by(parts).collect();
         let odometry = self.odometry.as_deref().map(Trajectory::read).transpose()?;
         let evidence = self.out.join("evidence");
         let imu = recording.imu.take();
@@ -150,12 +150,7 @@ impl Evaluate {
         let fingerprints = self.fingerprints(&file, &job, &recording.shots)?;
         let started = Started::new(&self.out);
         create_dir(&evidence)?;
-        let is_whole = |record: &Record| {
-            let evidence = || Evidence::fingerprint(&job.evidence_file(record.timestamp_ns));
-            record.problem.is_some() || (record.evidence.is_some() && record.evidence == evidence())
-        };
-        let journal = Journal::open(&self.out.join("frames.jsonl"), fingerprints, is_whole)?;
-        self.take_over(&job, &journal)?;
+        let journal = self.journal(&job, fingerprints)?;
         let resumed = journal.len();
         let jobs =
             self.jobs.or_else(|| std::thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
@@ -180,8 +175,13 @@ impl Evaluate {
         Ok(Outcome::Done)
     }
 
-    /// Takes finished frames from other folders.
-    fn take_over(&self, job: &Job<'_>, journal: &Journal) -> Result<()> {
+    /// The frames that are finished, here and in other folders.
+    fn journal(&self, job: &Job<'_>, fingerprints: HashMap<u64, String>) -> Result<Journal> {
+        let is_whole = |record: &Record| {
+            let evidence = || Evidence::fingerprint(&job.evidence_file(record.timestamp_ns));
+            record.problem.is_some() || (record.evidence.is_some() && record.evidence == evidence())
+        };
+        let journal = Journal::open(&self.out.join("frames.jsonl"), fingerprints, is_whole)?;
         for folder in &self.merge {
             let evidence_of = |record: &Record| -> Result<bool, EvaluateError> {
                 let Some(fingerprint) = &record.evidence else { return Ok(record.problem.is_some()) };
@@ -197,18 +197,15 @@ impl Evaluate {
                 ));
             }
         }
-        Ok(())
+        Ok(journal)
     }
 
     /// Says how far a part is.
     fn tell_part(&self, records: &[Record], resumed: usize) -> Result<Outcome> {
         let [part, parts] = self.shard.unwrap_or([1, 1]);
-        let part = Part { part, parts, frames: records.len(), resumed };
-        let Part { part: number, frames, .. } = part;
-        self.json.emit(
-            &part,
-            &format!("part {number} of {parts}: {frames} frames, {resumed} from an earlier run\n"),
-        )?;
+        let frames = records.len();
+        let summary = format!("part {part} of {parts}: {frames} frames, {resumed} from an earlier run\n");
+        self.json.emit(&Part { part, parts, frames, resumed }, &summary)?;
         Ok(Outcome::Done)
     }
 
