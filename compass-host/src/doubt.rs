@@ -72,7 +72,7 @@ fn percentile(counts: &[usize; 256], percent: usize) -> Option<u8> {
 
 /// What is wrong with the maps of a site: candidates so far apart that the search may pass over the place between them.
 ///
-/// Found within 1 m by spacing: `docs/measured.md`, "Real rooms".
+/// Found within 1 m by spacing: `docs/measured.md`, "Spacing of the candidates".
 #[must_use]
 pub fn of_maps(floors: &[SiteFloor<'_>]) -> Option<String> {
     let widest = floors.iter().map(|floor| floor.map.header().spacing_mm).max()?;

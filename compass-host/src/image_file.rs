@@ -142,11 +142,16 @@ pub fn decode(bytes: &[u8], max_pixels: u64) -> Result<Pixels, DecodeError> {
     if format == ImageFormat::Jpeg && !jpeg_is_ended(bytes) {
         return jpeg_without_end(bytes, max_pixels);
     }
-    let gave_up = || DecodeError::Damaged { reason: GAVE_UP.to_owned() };
-    guarded(|| decode_as(format, bytes, max_pixels)).unwrap_or_else(|| Err(gave_up()))
+    decode_as(format, bytes, max_pixels)
 }
 
+/// Decodes an image of a format; a panic of its decoder is damage.
 fn decode_as(format: ImageFormat, bytes: &[u8], max_pixels: u64) -> Result<Pixels, DecodeError> {
+    let gave_up = || Err(DecodeError::Damaged { reason: GAVE_UP.to_owned() });
+    guarded(|| decode_unguarded(format, bytes, max_pixels)).unwrap_or_else(gave_up)
+}
+
+fn decode_unguarded(format: ImageFormat, bytes: &[u8], max_pixels: u64) -> Result<Pixels, DecodeError> {
     let damaged = |error: ImageError| {
         let reason = one_line(&error.to_string());
         match error {

@@ -9,6 +9,9 @@ use tempfile::{Builder, NamedTempFile};
 #[cfg(feature = "bag")]
 use tempfile::{TempDir, TempPath};
 
+/// Attempts to remove a path: another thread may still be adding files to a folder.
+const ATTEMPTS: usize = 3;
+
 /// Those that exist now.
 static EXISTING: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
@@ -24,16 +27,15 @@ fn existing() -> MutexGuard<'static, BTreeSet<PathBuf>> {
 pub fn remove_all() {
     let mut paths = existing();
     for path in std::mem::take(&mut *paths) {
+        let remove: fn(&Path) -> io::Result<()> = if path.is_dir() {
+            |path| std::fs::remove_dir_all(path)
+        } else {
+            |path| std::fs::remove_file(path)
+        };
         // Nobody is left to be told of what cannot be removed.
-        let _ = if path.is_dir() { remove_folder(&path) } else { std::fs::remove_file(&path) };
+        let _ = (0..ATTEMPTS).any(|_| remove(&path).is_ok());
     }
     std::mem::forget(paths);
-}
-
-/// Removes a folder although another thread may still be adding files to it.
-fn remove_folder(path: &Path) -> io::Result<()> {
-    const ATTEMPTS: usize = 3;
-    (0..ATTEMPTS).map(|_| std::fs::remove_dir_all(path)).find(Result::is_ok).unwrap_or(Ok(()))
 }
 
 /// The system's message alone: errors of `tempfile` name a path that the user does not know.

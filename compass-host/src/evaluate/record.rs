@@ -119,22 +119,25 @@ impl Record {
     /// Lead of the best pose over the best one elsewhere, nats.
     #[must_use]
     pub fn margin(&self) -> f64 {
-        let score = |at: usize| self.single.get(at).map_or(Nats::ZERO, |found| Nats::from_bits(found.score));
+        let [best, second] = [0, 1].map(|at| self.score(at));
         let rival = self.rival.map_or(Nats::MIN, Nats::from_bits);
-        score(0).saturating_sub(score(1)).min(score(0).saturating_sub(rival).max(Nats::ZERO)).to_num()
+        best.saturating_sub(second).min(best.saturating_sub(rival).max(Nats::ZERO)).to_num()
+    }
+
+    /// Score of the best pose or of an alternative; 0 without it.
+    fn score(&self, at: usize) -> Nats {
+        self.single.get(at).map_or(Nats::ZERO, |found| Nats::from_bits(found.score))
     }
 
     /// The [margin](Self::margin), at most the score: "not in this plan" scores 0. Nats.
     #[must_use]
     pub fn lead(&self) -> f64 {
-        let score = self.single.first().map_or(Nats::ZERO, |found| Nats::from_bits(found.score));
-        self.margin().clamp(0.0, score.to_num::<f64>().max(0.0))
+        self.margin().clamp(0.0, self.score(0).to_num::<f64>().max(0.0))
     }
 
     /// Estimated probability that the best pose is right.
     #[must_use]
     pub fn probability(&self) -> f32 {
-        let score = self.single.first().map_or(Nats::ZERO, |found| Nats::from_bits(found.score));
-        probability_of(score, Nats::from_num(self.margin()))
+        probability_of(self.score(0), Nats::from_num(self.margin()))
     }
 }

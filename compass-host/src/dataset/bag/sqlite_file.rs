@@ -79,7 +79,8 @@ pub(super) fn visit(path: &Path, topics: &[String], take: &mut Take<'_>) -> Resu
 
 /// Fetches the message of a row.
 pub(super) fn fetch(path: &Path, id: i64) -> Result<Vec<u8>, String> {
-    let database = open(path)?;
+    // Its tables were checked when the row was found.
+    let database = connect(path).map_err(problem)?;
     let mut data = Vec::new();
     let mut blob = blob(&database, id).map_err(problem)?;
     let (bytes, limit) = (u64::from(blob.size().max(0).unsigned_abs()), limits().message_bytes);
