@@ -24,10 +24,7 @@
 //! ) -> Result<Fix<'a>, LocateError> {
 //!     let frame = |pixels| GrayImage::new(pixels, 368, 360).ok().map(Frame::from);
 //!     // The rig hangs upside down, 1.6 m above the floor.
-//!     let prior = Prior {
-//!         up: UpHint::Up(Bearing::new(0.0, 1.0, 0.0)),
-//!         heights: HeightPrior::camera(1.6),
-//!     };
+//!     let prior = Prior::new(UpHint::Up(Bearing::new(0.0, 1.0, 0.0)), HeightPrior::camera(1.6));
 //!     let mut locator: Locator<'_, _> = Locator::new(site, rig, Settings::BOARD, &mut memory[..])?;
 //!     locator.locate(&[frame(front), frame(back)], &prior)
 //! }
@@ -157,7 +154,7 @@ pub use map::plan::Plan;
 pub use map::site::{Site, SiteError};
 pub use pose::heights::HeightPrior;
 pub use pose::track::{Estimate, Motion, Track};
-pub use pose::{Fix, ScoredPose};
+pub use pose::{Covariance, Fix, PosePrior, ScoredPose};
 pub use vision::attitude::UpHint;
 pub use vision::camera::{
     Bearing, Camera, CameraError, DoubleSphere, Eucm, Intrinsics, KannalaBrandt, Omni, Radtan, Rig, View,

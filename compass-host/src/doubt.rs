@@ -86,7 +86,11 @@ pub fn of_maps(floors: &[SiteFloor<'_>]) -> Option<String> {
 #[must_use]
 pub fn of_fix(fix: &Fix<'_>, least_probability: f64) -> String {
     let Some(best) = fix.best() else {
-        return "the frames show nothing that a plan could explain".to_owned();
+        return if fix.prior().is_unknown() {
+            "the frames show nothing that a plan could explain".to_owned()
+        } else {
+            "nothing explains the frames where the pose is said to be".to_owned()
+        };
     };
     let margin = fix.margin();
     // Without any alternative the margin would be the score.

@@ -37,6 +37,17 @@ impl Frame {
         good.then(|| Self::from(Pixels { width, height, samples: Samples::Rgb(rgb) }))
     }
 
+    /// A frame of gray levels in memory, row by row; `None` when a side is 0 or above 65535, or the length is not that of
+    /// the sides.
+    #[must_use]
+    pub fn from_gray(width: u32, height: u32, gray: Vec<u8>) -> Option<Self> {
+        let sides = 1..=image_file::MAX_SIDE;
+        let good = sides.contains(&width)
+            && sides.contains(&height)
+            && gray.len() as u64 == u64::from(width) * u64::from(height);
+        good.then(|| Self::from(Pixels { width, height, samples: Samples::Gray(gray) }))
+    }
+
     /// Pixels along x.
     #[must_use]
     pub const fn width(&self) -> u32 {

@@ -109,7 +109,7 @@ mod wide;
 
 pub use calibration::{Calibration, CalibrationError};
 pub use compass_core;
-pub use compass_core::{Fix, HeightPrior, Settings};
+pub use compass_core::{Covariance, Fix, HeightPrior, PosePrior, Settings};
 pub use dataset::recording::{DatasetError, Recording, Shot};
 pub use dataset::trajectory::Trajectory;
 pub use frame::Frame;

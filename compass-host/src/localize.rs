@@ -4,7 +4,7 @@ use crate::frame::Frame;
 use crate::locator::{Locator, SeeError};
 use crate::up::Mount;
 use crate::up_by_plan::locate_by_plan;
-use compass_core::{Fix, HeightPrior};
+use compass_core::{Fix, HeightPrior, PosePrior};
 
 /// Finds the pose in a site from which a pair of frames was taken.
 ///
@@ -21,7 +21,7 @@ pub fn localize<'a>(
 ) -> Result<Fix<'a>, SeeError> {
     let mut segmented = locator.segment(frames)?;
     let ups = mount.candidates(&mut segmented)?;
-    Ok(locate_by_plan(segmented, &ups, heights)?.fix)
+    Ok(locate_by_plan(segmented, &ups, heights, &PosePrior::UNKNOWN)?.fix)
 }
 
 #[cfg(test)]

@@ -92,6 +92,15 @@ impl SiteFile {
         Ok(Self { bytes })
     }
 
+    /// A site in memory, such as [`floor_bytes`] makes; verifies all its checksums.
+    ///
+    /// # Errors
+    /// [`SiteError`] names the invalid field.
+    pub fn from_bytes(bytes: Vec<u8>) -> Result<Self, SiteError> {
+        Site::new(&bytes)?.verify()?;
+        Ok(Self { bytes })
+    }
+
     /// The bytes of the file.
     #[must_use]
     pub fn as_bytes(&self) -> &[u8] {

@@ -4,7 +4,7 @@ use crate::locator::{SeeError, Seen, Segmented, see};
 use compass_core::base::num::Nats;
 use compass_core::base::pose::Separation;
 use compass_core::vision::camera::Bearing;
-use compass_core::{Fix, HeightPrior};
+use compass_core::{Fix, HeightPrior, PosePrior};
 
 /// Frames, seen with the up vector that explains them best.
 #[derive(Debug)]
@@ -18,7 +18,7 @@ pub struct Placed<'l, 'a> {
 }
 
 /// Finds the pose of frames with each of these up vectors, of any length in the axes of cam0, and keeps the one with which the site explains the frames best.
-/// The others count as rivals in margin and probability.
+/// The others count as rivals in margin and probability. `within` restricts the search.
 ///
 /// The segments are those that were found: only what depends on up is done for each.
 ///
@@ -28,15 +28,16 @@ pub fn locate_by_plan<'l, 'a>(
     mut segmented: Segmented<'l, '_, 'a>,
     candidates: &[Bearing],
     heights: HeightPrior,
+    within: &PosePrior,
 ) -> Result<Placed<'l, 'a>, SeeError> {
     if let [up] = candidates {
         let (up, mut seen) = look(segmented, up)?;
-        let fix = seen.locate(heights);
+        let fix = seen.locate_within(heights, within);
         return Ok(Placed { up, seen, fix });
     }
     let tried = candidates.iter().filter_map(|up| {
         let (up, mut seen) = look(segmented.by_ref(), up).ok()?;
-        Some(Tried { with: up, fix: seen.locate(heights) })
+        Some(Tried { with: up, fix: seen.locate_within(heights, within) })
     });
     let (up, fix) = best(tried.collect()).ok_or(SeeError::Up)?;
     let (up, seen) = look(segmented, &up)?;

@@ -24,7 +24,7 @@ fuzz_target!(|data: &[u8]| {
     let heights = if numbers[16] & 1 == 0 { HeightPrior::UNKNOWN } else { HeightPrior::camera(number(12)) };
     let up = if numbers[16] & 2 == 0 { UpHint::Up(up) } else { UpHint::Axis(up) };
     let gray = |pixels| GrayImage::new(pixels, width, height).ok().map(Frame::from);
-    if let Ok(fix) = locator.locate(&[gray(&front), gray(&back)], &Prior { up, heights }) {
+    if let Ok(fix) = locator.locate(&[gray(&front), gray(&back)], &Prior::new(up, heights)) {
         assert!((0.0..=1.0).contains(&fix.probability()));
     }
 });

@@ -17,7 +17,7 @@ fuzz_target!(|data: &[u8]| {
         return;
     };
     let frames = shot.images().map(|image| image.map(|(gray, _)| Frame::from(gray)));
-    let prior = Prior { up: UpHint::Up(shot.header().up), heights: HeightPrior::camera(1.5) };
+    let prior = Prior::new(UpHint::Up(shot.header().up), HeightPrior::camera(1.5));
     if let Ok(fix) = locator.locate(&frames, &prior) {
         assert!((0.0..=1.0).contains(&fix.probability()));
     }

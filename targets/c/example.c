@@ -11,6 +11,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #define WIDTH 368
 #define HEIGHT 360
@@ -37,6 +38,7 @@ static const CompassCamera cameras[2] = {
 static const CompassPrior prior = {
     .up_kind = COMPASS_UP_KIND_NEAR, .up = {0, 1, 0},
     .height_kind = COMPASS_HEIGHT_KIND_CAMERA, .camera_height_m = 1.6f,
+    .place_kind = COMPASS_PLACE_KIND_ANYWHERE,
 };
 
 static void require(bool condition, const char *what) {
@@ -97,6 +99,13 @@ static uint32_t checksum(const CompassFix *fix) {
         sum = crc(sum, (uint32_t)((uint64_t)pose->y >> 32));
         sum = crc(sum, pose->heading);
         sum = crc(sum, (uint32_t)pose->score);
+    }
+    for (uint32_t i = 0; i < fix->count; i++) {
+        for (int value = 0; value < 9; value++) {
+            uint32_t bits;
+            memcpy(&bits, &fix->covariances[i][value], sizeof bits);
+            sum = crc(sum, bits);
+        }
     }
     sum = crc(sum, (uint32_t)(int32_t)fix->heights.camera);
     return ~crc(sum, (uint32_t)(int32_t)fix->heights.ceiling);
@@ -159,6 +168,8 @@ int main(int count, char **arguments) {
     printf("found    x %.3f m  y %.3f m  heading %.1f degrees, probability %.2f, cameras %.2f m above the floor\n",
            compass_metres(best->x), compass_metres(best->y), compass_degrees(best->heading), fix.probability,
            fix.camera_height_m);
+    printf("sigma    x %.3f m  y %.3f m  heading %.2f degrees, if right\n", sqrt(fix.covariances[0][0]),
+           sqrt(fix.covariances[0][4]), sqrt(fix.covariances[0][8]) * 57.29578);
     printf("floor    %s (number %d), layer %d\n", best->floor_name, best->floor, best->layer);
     print_scan(compass, best);
 

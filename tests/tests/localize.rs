@@ -54,6 +54,11 @@ fn frames_find_their_place() {
             assert!(metres >= 1.0 || degrees >= 20.0, "{a} and {b} are the same place");
         }
     }
+    assert_eq!(answer["covariance"], candidates[0]["covariance"]);
+    let spreads: Vec<_> = candidates.iter().map(|c| deviations(&c["covariance"])).collect();
+    assert!(spreads.iter().flatten().all(|deviation| (0.008..1.0).contains(deviation)), "{spreads:?}");
+    assert!(spreads[0][0].max(spreads[0][1]) < 0.2 && spreads[0][2] < 2_f64.to_radians(), "{spreads:?}");
+    assert!(answer.get("prior").is_none(), "{answer}");
     let again = folder.json(&format!("{LOCALIZE} {options}"));
     assert_eq!(answer["candidates"], again["candidates"], "the same again is the same");
     // A known height and the truth are accepted. Larger frames: with these, the place found with a wrong ceiling
@@ -64,6 +69,55 @@ fn frames_find_their_place() {
         at[0], at[1]
     ));
     assert!(number(&known["position_error_m"]) < 0.5 && number(&known["heading_error_deg"]) < 3.0, "{known}");
+}
+
+/// Standard deviations of x, y (metres) and heading (radians); the matrix is symmetric.
+fn deviations(covariance: &Value) -> [f64; 3] {
+    let rows: Vec<_> = covariance.as_array().unwrap().iter().map(numbers).collect();
+    for (row, column) in [(0, 1), (0, 2), (1, 2)] {
+        assert_eq!(rows[row][column], rows[column][row]);
+    }
+    [0, 1, 2].map(|axis| rows[axis][axis].sqrt())
+}
+
+#[test]
+fn what_is_told_of_the_pose_restricts_the_search() {
+    let (folder, options) = folder_with_frames();
+    let ([x, y], heading) = FRAME_POSE;
+    let free = folder.json(&format!("{LOCALIZE} {options}"));
+    let told = folder
+        .json(&format!("{LOCALIZE} {options} --near {x},{y},3 --heading-near {heading},30 --floor sample"));
+    let prior = &told["prior"];
+    assert_eq!(
+        (numbers(&prior["near"]), numbers(&prior["heading_near"])),
+        (vec![x, y, 3.0], vec![heading, 30.0])
+    );
+    assert_eq!(prior["floor"], "sample");
+    let (metres, degrees) = errors(&told, [x, y], heading);
+    assert!(metres < 0.5 && degrees < 3.0, "{metres} m, {degrees} degrees");
+    for candidate in told["candidates"].as_array().unwrap() {
+        let (metres, degrees) = errors(candidate, [x, y], heading);
+        assert!(metres <= 3.0 && degrees <= 30.0, "{candidate}");
+    }
+    assert!(told["candidates"].as_array().unwrap().len() < free["candidates"].as_array().unwrap().len());
+
+    // Told to look elsewhere, it does not find the true place, and says where it was told to look.
+    let elsewhere = format!("{LOCALIZE} {options} --heading-near {},20 --min-probability 0", heading + 180.0);
+    let wrong = folder.json(&elsewhere);
+    assert!(errors(&wrong, [x, y], heading).1 >= 160.0, "{wrong}");
+    let ran = folder.run(&elsewhere);
+    assert!(
+        ran.stdout.starts_with("searched heading ") && ran.stdout.contains("+- 20 degrees"),
+        "{}",
+        ran.stdout
+    );
+    let ran = folder.run(&format!("{LOCALIZE} {options} --near -500,0,1"));
+    assert_eq!(ran.status, Some(1), "{}", ran.stderr);
+    assert!(
+        ran.stdout.contains("nothing explains the frames where the pose is said to be"),
+        "{}",
+        ran.stdout
+    );
 }
 
 #[test]
@@ -150,6 +204,14 @@ fn bad_input_is_refused() {
         (format!("{LOCALIZE} {options} --camera-height 9"), "--camera-height"),
         (format!("{LOCALIZE} {options} --camera-height 0.1"), "--camera-height"),
         (format!("{LOCALIZE} {options} --min-probability 2"), "--min-probability"),
+        (format!("{LOCALIZE} {options} --near 1,2"), "'1,2' is not X,Y,RADIUS"),
+        (format!("{LOCALIZE} {options} --near 1,2,0"), "--near"),
+        (format!("{LOCALIZE} {options} --near 1e300,2,3"), "beyond the range of map coordinates"),
+        (format!("{LOCALIZE} {options} --heading-near 90"), "--heading-near"),
+        (
+            format!("{LOCALIZE} {options} --floor attic"),
+            "--floor attic: sample.site has no floor of this name, but sample",
+        ),
         (format!("{LOCALIZE} {options} --at 1,1"), "--heading"),
         (format!("{LOCALIZE} {options} --from-plan sample.png --at 1,1 --heading 0"), "--from-plan"),
         ("localize --map sample.site --from-plan sample.png".into(), "--at"),

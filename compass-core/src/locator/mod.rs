@@ -35,7 +35,7 @@ use crate::map::plan::Plan;
 use crate::map::site::{Floor, MAX_FLOORS, Site};
 use crate::map::site_map::SiteMap;
 use crate::pose::heights::HeightPrior;
-use crate::pose::{Fix, FloorLayer};
+use crate::pose::{Fix, FloorLayer, PosePrior};
 use crate::vision::attitude::UpHint;
 use crate::vision::camera::{CAMERAS, PerCamera, Rig, View};
 use crate::vision::panorama::Resolution;
@@ -71,6 +71,16 @@ pub struct Prior {
     pub up: UpHint,
     /// Heights of the camera and of the ceiling.
     pub heights: HeightPrior,
+    /// Where the pose is.
+    pub pose: PosePrior,
+}
+
+impl Prior {
+    /// Up and the heights; of the pose nothing is known.
+    #[must_use]
+    pub const fn new(up: UpHint, heights: HeightPrior) -> Self {
+        Self { up, heights, pose: PosePrior::UNKNOWN }
+    }
 }
 
 /// Finds the poses of a rig on a site.
@@ -248,7 +258,7 @@ impl<'a, M: AsRef<[u32]> + AsMut<[u32]>, T: Trace, const LAYERS: usize> Locator<
     /// [`Error::Up`] and [`Error::Axis`] if the frames do not tell which way is up. "Nowhere" is no error: see
     /// [`Fix::probability`]. Frames that show nothing have a pose too, of probability 0.
     pub fn locate(&mut self, frames: &Frames<'_>, prior: &Prior) -> Result<Fix<'a>, Error> {
-        Ok(self.segment(frames)?.level_near(prior.up)?.see().locate(prior.heights))
+        Ok(self.segment(frames)?.level_near(prior.up)?.see().locate_within(prior.heights, &prior.pose))
     }
 
     /// First stage: the line segments of all frames.

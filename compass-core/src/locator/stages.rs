@@ -10,7 +10,7 @@ use crate::pose::evidence::{EvidenceTable, HitEvidence, weigh};
 use crate::pose::heights::{HeightPrior, Heights};
 use crate::pose::locate::{Work, locate};
 use crate::pose::track::{Estimate, Motion, Observation, Track};
-use crate::pose::{Fix, FloorLayer};
+use crate::pose::{Fix, FloorLayer, PosePrior};
 use crate::vision::attitude::{self, Arc, MOST_VERTICALS, UpHint, Vertical, vertical, verticals};
 use crate::vision::boundary::{BoundaryEvidence, BoundaryFinder};
 use crate::vision::camera::{Bearing, CAMERAS};
@@ -215,9 +215,15 @@ where
     }
 
     /// The pose that explains best what was seen, over all layers.
-    #[inline(never)]
     #[must_use]
     pub fn locate(&mut self, known: HeightPrior) -> Fix<'a> {
+        self.locate_within(known, &PosePrior::UNKNOWN)
+    }
+
+    /// The pose that explains best what was seen, of those where it is known to be.
+    #[inline(never)]
+    #[must_use]
+    pub fn locate_within(&mut self, known: HeightPrior, within: &PosePrior) -> Fix<'a> {
         self.locator.trace.begin(Stage::Locate);
         let Locator { layers, settings, rig, found, memory, .. } = &mut *self.locator;
         let effort = settings.effort(known.camera_m().is_some());
@@ -231,9 +237,9 @@ where
                 pool: search.pool,
                 effort,
             };
-            Some(locate(&boundaries, known, &found.windows, layers, &mut work))
+            Some(locate(&boundaries, known, within, &found.windows, layers, &mut work))
         });
-        let fix = fix.unwrap_or_else(|| Fix::nothing(known));
+        let fix = fix.unwrap_or_else(|| Fix::nothing(known, *within));
         self.locator.trace.end(Stage::Locate, Picture::Fix(&fix));
         fix
     }

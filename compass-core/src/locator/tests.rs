@@ -10,7 +10,7 @@ use std::vec::Vec;
 use std::{format, vec};
 
 const UP: UpHint = UpHint::Up(Bearing::new(0.0, 1.0, 0.0));
-const PRIOR: Prior = Prior { up: UP, heights: HeightPrior::camera(1.6) };
+const PRIOR: Prior = Prior::new(UP, HeightPrior::camera(1.6));
 
 /// The sample that all targets compute on.
 struct Sample {

@@ -1,9 +1,9 @@
 //! The result of a localization: pose, probability, heights, alternatives.
 
 use super::heights::{HeightPrior, Heights};
-use super::{Alternatives, FloorLayer, ScoredPose};
+use super::{Alternatives, Covariance, FloorLayer, PosePrior, ScoredPose};
 use crate::base::num::Nats;
-use crate::base::pose::Pose;
+use crate::base::pose::{MAX_ALTERNATIVES, Pose};
 
 /// Probability from which a pose is [sure](Fix::is_sure).
 pub const SURE: f32 = 0.9;
@@ -18,15 +18,24 @@ const LOG_ODDS: [f32; 2] = [-4.13, 0.0464];
 /// heights in metres. An example is in the documentation of the [crate].
 #[derive(Debug, Clone)]
 pub struct Fix<'a> {
-    alternatives: Alternatives,
-    heights: Heights,
+    answer: Answer,
     known: HeightPrior,
+    within: PosePrior,
     /// Floor and layer of the likeliest pose.
     layer: Option<Place<'a>>,
-    /// What the score of the likeliest pose gains if floor and ceiling exchange their weights.
-    exchange: Nats,
     /// Score of the best pose under another assumption, if one was tried.
     rival: Option<Nats>,
+}
+
+/// What a search found.
+#[derive(Debug, Clone)]
+pub(super) struct Answer {
+    pub(super) alternatives: Alternatives,
+    /// Of each of them.
+    pub(super) covariances: heapless::Vec<Covariance, MAX_ALTERNATIVES>,
+    pub(super) heights: Heights,
+    /// What the score of the likeliest pose gains if floor and ceiling exchange their weights.
+    pub(super) exchange: Nats,
 }
 
 /// A floor and one of its layers.
@@ -38,30 +47,27 @@ struct Place<'a> {
 }
 
 impl<'a> Fix<'a> {
-    /// `exchange` is what the score of the likeliest pose gains if floor and ceiling exchange their weights.
     pub(super) fn new(
-        alternatives: Alternatives,
-        heights: Heights,
-        known: HeightPrior,
         layers: &[FloorLayer<'a>],
-        exchange: Nats,
+        answer: Answer,
+        known: HeightPrior,
+        within: PosePrior,
     ) -> Self {
-        let layer = alternatives.best().and_then(|best| layers.get(usize::from(best.layer)));
+        let layer = answer.alternatives.best().and_then(|best| layers.get(usize::from(best.layer)));
         let layer = layer.map(|layer| Place { floor: layer.floor, name: layer.name, number: layer.number });
-        Self { alternatives, heights, known, layer, exchange, rival: None }
+        Self { answer, known, within, layer, rival: None }
     }
 
     /// No pose.
-    pub(crate) fn nothing(known: HeightPrior) -> Self {
+    pub(crate) fn nothing(known: HeightPrior, within: PosePrior) -> Self {
         let camera = known.camera_rungs().unwrap_or(0);
-        Self {
+        let answer = Answer {
             alternatives: Alternatives::nothing(),
+            covariances: heapless::Vec::new(),
             heights: Heights { camera, ceiling: 0 },
-            known,
-            layer: None,
             exchange: Nats::ZERO,
-            rival: None,
-        }
+        };
+        Self { answer, known, within, layer: None, rival: None }
     }
 
     /// The likeliest pose of camera 0; `None` if the site has no candidate or the images gave no evidence.
@@ -97,7 +103,7 @@ impl<'a> Fix<'a> {
     /// a second one. A [rival](Self::with_rival) is one of them; of a better one the margin is 0.
     #[must_use]
     pub fn margin(&self) -> Nats {
-        let margin = self.alternatives.margin();
+        let margin = self.answer.alternatives.margin();
         let lead = self.best().zip(self.rival).map(|(best, rival)| best.score.saturating_sub(rival));
         lead.map_or(margin, |lead| margin.min(lead).max(Nats::ZERO))
     }
@@ -122,7 +128,7 @@ impl<'a> Fix<'a> {
     /// ceiling passes for the floor, is counted whole, and would win by that.
     #[must_use]
     pub fn exchanged_score(&self) -> Option<Nats> {
-        Some(self.best()?.score.saturating_add(self.exchange))
+        Some(self.best()?.score.saturating_add(self.answer.exchange))
     }
 
     /// Whether the [probability](Self::probability) reaches [`SURE`].
@@ -134,32 +140,50 @@ impl<'a> Fix<'a> {
     /// Height of the camera above the floor, metres: the prior if it is known, else the estimate, quantized to 3 %.
     #[must_use]
     pub fn camera_height_m(&self) -> f32 {
-        self.known.camera_m().unwrap_or_else(|| self.heights.camera_m())
+        self.known.camera_m().unwrap_or_else(|| self.answer.heights.camera_m())
     }
 
     /// Height of the ceiling above the floor, metres. Its part above the camera is quantized to 3 %.
     #[must_use]
     pub fn ceiling_height_m(&self) -> f32 {
-        self.heights.ceiling_m()
+        self.answer.heights.ceiling_m()
     }
 
     /// Both heights in the rungs of the search.
     #[must_use]
     pub const fn heights(&self) -> Heights {
-        self.heights
+        self.answer.heights
     }
 
     /// The likeliest pose with its score.
     #[must_use]
     pub fn best(&self) -> Option<&ScoredPose> {
-        self.alternatives.best()
+        self.answer.alternatives.best()
+    }
+
+    /// Covariance of the error of the likeliest pose, if it is right: of x, y and heading.
+    #[must_use]
+    pub fn covariance(&self) -> Option<Covariance> {
+        self.covariances().first().copied()
+    }
+
+    /// Covariances of the [poses](Self::poses), one of each.
+    #[must_use]
+    pub fn covariances(&self) -> &[Covariance] {
+        &self.answer.covariances
+    }
+
+    /// What was known of the pose: it restricted the search.
+    #[must_use]
+    pub const fn prior(&self) -> &PosePrior {
+        &self.within
     }
 
     /// The likeliest pose and its alternatives, by descending score. Any two are on different floors, or at least 1 m or
     /// 20 degrees apart.
     #[must_use]
     pub fn poses(&self) -> &[ScoredPose] {
-        self.alternatives.poses()
+        self.answer.alternatives.poses()
     }
 }
 

@@ -72,7 +72,7 @@ fn run<const N: usize>(
     let Ok(rows) = bytemuck::try_from_bytes_mut::<Rows<N>>(bytes) else { return 0 };
     let spacing_mm = layers.iter().map(|layer| layer.map.header().spacing_mm).max().unwrap_or(0);
     rows.set(&query.boundaries, query.hits, spacing_mm as f32 / 1000.0);
-    search(rows, query.heights, layers, |_, _| true, pool)
+    search(rows, query.heights, layers, query.within, pool)
 }
 
 impl PartialEq for Headings {

@@ -1,14 +1,17 @@
 //! Localization of one frame: search over heights, candidates and headings, refinement, selection of alternatives.
 
 use super::evidence::{EvidenceTable, HitEvidence, weigh};
+use super::fix::Answer;
 use super::heights::{HeightGrid, HeightPrior, Heights};
+use super::search::pose_of;
 use super::{
-    Fix, FloorLayer, Headings, PoolEntry, Query, ScoredPose, refine_coarse, refine_final, refine_fine,
-    select_alternatives, upright,
+    Covariance, Fix, FloorLayer, Headings, PoolEntry, PosePrior, Query, ScoredPose, refine_coarse,
+    refine_final, refine_fine, select_alternatives, upright,
 };
 use crate::base::ladder::{FRACTION_BITS, position_of};
-use crate::base::num::{BINS, CellNats, Nats};
+use crate::base::num::{BINS, CellNats, Metres, Nats, Turn};
 use crate::base::order;
+use crate::base::pose::{MAX_ALTERNATIVES, Separation};
 use crate::base::scan::{Hit, Scan};
 use crate::vision::boundary::{BoundaryEvidence, CEILING_SHIFT, rung_of};
 use crate::vision::windows::WindowEvidence;
@@ -19,6 +22,9 @@ use heapless::Vec;
 pub const MAX_REFINED: usize = 48;
 /// Azimuth stride of the rays that choose heights, degrees.
 const HEIGHT_STRIDE: u8 = 4;
+
+/// How far outside a [`PosePrior`] a pose may be that is refined no further than roughly: a fine refinement may end inside.
+const ROUGH: Separation = Separation { distance: Metres::lit("0.25"), turn: Turn::from_degrees(5) };
 
 /// Memory lent to the search. Its former contents do not matter.
 #[derive(Debug)]
@@ -86,7 +92,7 @@ type Found = (ScoredPose, [i8; 2]);
 /// # let site = Site::new(&bytes)?;
 /// # let floor = site.floor(0).unwrap();
 /// # let map = *floor.map();
-/// use compass_core::{HeightPrior, Nats};
+/// use compass_core::{HeightPrior, Nats, PosePrior};
 /// use compass_core::base::num::LogOdds;
 /// use compass_core::base::confidence::Confidence;
 /// use compass_core::pose::locate::{Effort, Work, locate};
@@ -113,7 +119,8 @@ type Found = (ScoredPose, [i8; 2]);
 ///     pool: &mut [PoolEntry::EMPTY; 64],
 ///     effort: Effort::LITTLE,
 /// };
-/// let fix = locate(&boundaries, HeightPrior::camera(1.5), &windows, &[layer], &mut work);
+/// let (height, within) = (HeightPrior::camera(1.5), PosePrior::UNKNOWN);
+/// let fix = locate(&boundaries, height, &within, &windows, &[layer], &mut work);
 /// assert_eq!(fix.floor_name(), Some(floor.name()));
 /// assert_eq!(fix.camera_height_m(), 1.5);
 /// let score = fix.best().unwrap().score;
@@ -126,13 +133,14 @@ type Found = (ScoredPose, [i8; 2]);
 pub fn locate<'a>(
     boundaries: &BoundaryEvidence<'_>,
     known: HeightPrior,
+    within: &PosePrior,
     windows: &WindowEvidence,
     layers: &[FloorLayer<'a>],
     work: &mut Work<'_>,
 ) -> Fix<'a> {
     let hits = HitEvidence::new(windows);
     let heights = HeightGrid::coarse(&known);
-    let query = Query { boundaries: *boundaries, hits: &hits, heights: &heights };
+    let query = Query { boundaries: *boundaries, hits: &hits, heights: &heights, within };
     let count = work.headings.search(&query, work.rows, layers, work.pool);
     let wanted = work.effort.refined_poses.clamp(1, MAX_REFINED);
     let mut found: Vec<Found, MAX_REFINED> = Vec::new();
@@ -149,44 +157,23 @@ pub fn locate<'a>(
         table: work.table,
         heights: None,
     };
-    let rays = work.effort.rays;
-    // A pose refined at wrong heights is a wrong pose, and its heights are wrong with it: twice.
-    for _ in 0..2 {
-        evidence.refine(layers, &mut found, |table, layer, pose| refine_coarse(table, layer, pose, rays));
-        evidence.choose_heights(layers, &mut found);
-    }
-    let grid = evidence.grid.clone();
-    order::sort_by_key(&mut found, |(pose, heights)| {
-        (Reverse(pose.score.saturating_add(grid.prior(*heights))), pose.order(), *heights)
-    });
-    let fully = found.len().min(work.effort.refined_fully.max(1));
-    let best = found.get_mut(..fully).unwrap_or_default();
-    evidence.refine(layers, best, refine_fine);
-    evidence.choose_heights(layers, best);
-    evidence.refine(layers, best, refine_fine);
-    let others = |(pose, heights): &Found| {
-        grid.prior(*heights).saturating_add(upright_score(layers, pose, &windows.upright_edges))
-    };
-    // The best pose by all that is seen, refined to the end without the upright edges.
-    let whole = |found: &Found| found.0.score.saturating_add(others(found));
-    let first = found.iter().enumerate().max_by_key(|(at, found)| (whole(found), Reverse(*at)));
-    if let Some(best) = first.map(|(at, _)| at).and_then(|at| found.get_mut(at)) {
-        evidence.refine(layers, core::slice::from_mut(best), refine_final);
-    }
-    for found in &mut found {
-        found.0.score = whole(found);
-    }
-    order::sort_by_key(&mut found, |(pose, heights)| (pose.order(), *heights));
-    let chosen = found.first().map(|(_, heights)| *heights);
+    evidence.refine_found(layers, &mut found, within, &windows.upright_edges, &work.effort);
     let mut refined: Vec<ScoredPose, MAX_REFINED> = Vec::new();
     for (pose, _) in &found {
         let _ = refined.push(*pose);
     }
     let alternatives = select_alternatives(layers, &mut refined);
-    let heights = chosen.unwrap_or([known.camera_rungs().unwrap_or(0); 2]);
-    let exchange = alternatives.best().map_or(Nats::ZERO, |best| evidence.exchange(layers, best, heights));
-    let [camera, above] = heights;
-    Fix::new(alternatives, Heights { camera, ceiling: above.saturating_sub(camera) }, known, layers, exchange)
+    let best = found.first().map_or([known.camera_rungs().unwrap_or(0); 2], |(_, heights)| *heights);
+    let mut chosen: Vec<Found, MAX_ALTERNATIVES> = Vec::new();
+    for pose in alternatives.poses() {
+        let heights = found.iter().find(|(found, _)| found == pose).map_or(best, |(_, heights)| *heights);
+        let _ = chosen.push((*pose, heights));
+    }
+    let covariances = evidence.covariances(layers, &mut chosen);
+    let exchange = alternatives.best().map_or(Nats::ZERO, |first| evidence.exchange(layers, first, best));
+    let [camera, above] = best;
+    let heights = Heights { camera, ceiling: above.saturating_sub(camera) };
+    Fix::new(layers, Answer { alternatives, covariances, heights, exchange }, known, *within)
 }
 
 /// The range rung nearest to a range in steps.
@@ -214,6 +201,8 @@ struct Evidence<'a> {
 
 impl Evidence<'_> {
     /// The evidence for two heights.
+    // Once in code memory, of which boards have little.
+    #[inline(never)]
     fn at(&mut self, [camera, above]: [i8; 2]) -> &EvidenceTable {
         if self.heights != Some([camera, above]) {
             weigh(self.boundaries, [camera, above], self.hits, self.table);
@@ -222,12 +211,80 @@ impl Evidence<'_> {
         self.table
     }
 
-    /// Refines poses at their heights, those of equal heights one after the other so that each table is filled once.
+    /// Refines the poses that the search found and chooses their heights; sorts them by score, and leaves out those that end
+    /// where the pose is known not to be.
+    fn refine_found(
+        &mut self,
+        layers: &[FloorLayer<'_>],
+        found: &mut Vec<Found, MAX_REFINED>,
+        within: &PosePrior,
+        upright_edges: &[u8; BINS],
+        effort: &Effort,
+    ) {
+        // A pose refined at wrong heights is a wrong pose, and its heights are wrong with it: twice.
+        for _ in 0..2 {
+            self.refine(layers, found, |table, layer, pose| refine_coarse(table, layer, pose, effort.rays));
+            self.choose_heights(layers, found);
+        }
+        found.retain(|(pose, _)| pose_of(layers, pose).is_some_and(|pose| within.has_within(&pose, &ROUGH)));
+        let grid = self.grid.clone();
+        order::sort_by_key(found, |(pose, heights)| {
+            (Reverse(pose.score.saturating_add(grid.prior(*heights))), pose.order(), *heights)
+        });
+        let fully = found.len().min(effort.refined_fully.max(1));
+        let best = found.get_mut(..fully).unwrap_or_default();
+        self.refine(layers, best, refine_fine);
+        self.choose_heights(layers, best);
+        self.refine(layers, best, refine_fine);
+        let others = |(pose, heights): &Found| {
+            grid.prior(*heights).saturating_add(upright_score(layers, pose, upright_edges))
+        };
+        // The best pose by all that is seen, refined to the end without the upright edges.
+        let whole = |found: &Found| found.0.score.saturating_add(others(found));
+        let first = found.iter().enumerate().max_by_key(|(at, found)| (whole(found), Reverse(*at)));
+        if let Some(best) = first.map(|(at, _)| at).and_then(|at| found.get_mut(at)) {
+            self.refine(layers, core::slice::from_mut(best), refine_final);
+        }
+        for found in found.iter_mut() {
+            found.0.score = whole(found);
+        }
+        found.retain(|(pose, _)| pose_of(layers, pose).is_some_and(|pose| within.has(&pose)));
+        order::sort_by_key(found, |(pose, heights)| (pose.order(), *heights));
+    }
+
+    /// Refines poses at their heights.
     fn refine(
         &mut self,
         layers: &[FloorLayer<'_>],
         found: &mut [Found],
         refine: impl Fn(&EvidenceTable, &FloorLayer<'_>, ScoredPose) -> ScoredPose,
+    ) {
+        self.visit(layers, found, |table, layer, _, pose| *pose = refine(table, layer, *pose));
+    }
+
+    /// The covariance of each pose.
+    fn covariances(
+        &mut self,
+        layers: &[FloorLayer<'_>],
+        found: &mut [Found],
+    ) -> Vec<Covariance, MAX_ALTERNATIVES> {
+        let mut all = Vec::new();
+        let _ = all.resize(found.len().min(MAX_ALTERNATIVES), Covariance::UNKNOWN);
+        self.visit(layers, found, |table, layer, number, pose| {
+            if let Some(covariance) = all.get_mut(number) {
+                *covariance = Covariance::new(table, layer, pose);
+            }
+        });
+        all
+    }
+
+    /// Visits poses with the evidence for their heights, those of equal heights one after the other so that each table is
+    /// filled once.
+    fn visit(
+        &mut self,
+        layers: &[FloorLayer<'_>],
+        found: &mut [Found],
+        mut visit: impl FnMut(&EvidenceTable, &FloorLayer<'_>, usize, &mut ScoredPose),
     ) {
         for first in 0..found.len() {
             let Some((_, heights)) = found.get(first).copied() else { return };
@@ -235,9 +292,10 @@ impl Evidence<'_> {
             if before.iter().any(|(_, others)| *others == heights) {
                 continue;
             }
-            for (pose, _) in found.iter_mut().skip(first).filter(|(_, others)| *others == heights) {
+            let poses = found.iter_mut().enumerate().skip(first);
+            for (number, (pose, _)) in poses.filter(|(_, (_, others))| *others == heights) {
                 if let Some(layer) = layers.get(usize::from(pose.layer)) {
-                    *pose = refine(self.at(heights), layer, *pose);
+                    visit(self.at(heights), layer, number, pose);
                 }
             }
         }

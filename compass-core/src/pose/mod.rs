@@ -14,12 +14,14 @@
 
 mod alternatives;
 mod blur;
+mod covariance;
 pub mod evidence;
 mod fix;
 mod headings;
 pub mod heights;
 pub mod locate;
 mod parallax;
+mod prior;
 mod refine;
 mod rows;
 mod search;
@@ -29,9 +31,11 @@ pub mod wall_check;
 
 pub use crate::base::pose::ScoredPose;
 pub use alternatives::{Alternatives, select_alternatives};
+pub use covariance::Covariance;
 pub use evidence::{EvidenceTable, HitEvidence, LIMIT, OPEN_PLANE, PLANES, plane_of};
 pub use fix::{Fix, SURE, probability_of};
 pub use headings::Headings;
+pub use prior::PosePrior;
 pub use refine::{MAX_CASTS, refine, refine_coarse, refine_final, refine_fine};
 pub use rows::{Rows, Source};
 pub use search::{FloorLayer, MAX_POOL, PoolEntry, Query, search};

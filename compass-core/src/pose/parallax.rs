@@ -6,7 +6,7 @@
 
 use super::evidence::EvidenceTable;
 use crate::base::num::{BINS, Metres, Point, Turn, degree_sine};
-use crate::base::scan::{Hit, STEPS_PER_METRE};
+use crate::base::scan::{Hit, MAX_STEPS, STEPS_PER_METRE};
 use crate::map::plan::{MarchError, Plan};
 use heapless::Vec;
 
@@ -51,6 +51,18 @@ impl View {
             let _ = rays.push(ray);
         }
         Ok(Self { heading, stride, first: 0, rays })
+    }
+
+    /// The same with all ranges scaled, in percent.
+    #[expect(clippy::cast_possible_truncation, reason = "at most MAX_STEPS")]
+    pub(super) fn scaled(&self, percent: u16) -> Self {
+        let mut scaled =
+            Self { heading: self.heading, stride: self.stride, first: self.first, rays: self.rays.clone() };
+        for (steps, _) in &mut scaled.rays {
+            let range = (u32::from(*steps) * u32::from(percent) + 50) / 100;
+            *steps = range.min(MAX_STEPS.into()) as u16;
+        }
+        scaled
     }
 
     /// Changes the heading, by whole degrees.
@@ -126,7 +138,6 @@ fn seen([forward, left]: [i32; 2], bin: usize, steps: u16) -> (usize, u16) {
 mod tests {
     use super::*;
     use crate::base::num::Nats;
-    use crate::base::scan::MAX_STEPS;
     use crate::pose::plane_of;
     use crate::pose::tests::{Building, point};
     use proptest::prelude::*;

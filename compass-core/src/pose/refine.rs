@@ -179,9 +179,8 @@ fn climb_through(
     wanted: impl Fn(Metres) -> bool,
     mut neighbour: impl FnMut(&Cast, Option<Way>, Metres) -> Option<Move>,
 ) -> Cast {
-    let spacing = Metres::from_bits((i64::from(layer.map.header().spacing_mm) << 32) / 1000);
     // Three quarters of the spacing: beyond the middle between two candidates.
-    let mut step = spacing / 4 * 3;
+    let mut step = layer.spacing() / 4 * 3;
     for _ in 0..LEVELS {
         if wanted(step) {
             let mut came = None;

@@ -2,8 +2,9 @@
 
 use super::evidence::HitEvidence;
 use super::heights::HeightGrid;
+use super::prior::PosePrior;
 use super::rows::{Rows, Source};
-use crate::base::num::{BINS, Nats, Point, Turn};
+use crate::base::num::{BINS, Metres, Nats, Point, Turn};
 use crate::base::order;
 use crate::base::pose::{Pose, ScoredPose, Separation};
 use crate::map::plan::Plan;
@@ -37,6 +38,17 @@ impl<'a> FloorLayer<'a> {
     /// The scan of a candidate as it is stored.
     fn packed(&self, candidate: usize) -> Option<&'a [u8; PACKED_SCAN_BYTES]> {
         self.map.get(candidate)?.layer(usize::from(self.number))?.packed()
+    }
+
+    /// Distance between candidates.
+    pub(super) fn spacing(&self) -> Metres {
+        Metres::from_bits((i64::from(self.map.header().spacing_mm) << 32) / 1000)
+    }
+
+    /// Whether a candidate is where the pose is known to be, or its spacing beyond.
+    fn is_near(&self, candidate: usize, within: &PosePrior) -> bool {
+        within.place().is_none()
+            || self.map.position(candidate).is_some_and(|at| within.has_place_within(at, self.spacing()))
     }
 }
 
@@ -105,6 +117,8 @@ pub struct Query<'a> {
     pub hits: &'a HitEvidence,
     /// Heights of camera and ceiling.
     pub heights: &'a HeightGrid,
+    /// Where the pose is known to be.
+    pub within: &'a PosePrior,
 }
 
 /// Scores the candidates of all layers at N headings and all heights, and keeps the best poses that are separated.
@@ -113,7 +127,8 @@ pub struct Query<'a> {
 /// of highest score; then non-maximum suppression drops those within 0.75 m and 15 degrees of a better one on the same
 /// layer. Returns the number of poses at the front of `pool`, by descending score.
 ///
-/// `among` selects candidates by layer and number: `|_, _| true` for all. Only the first 256 layers are searched.
+/// `within` restricts the search: to candidates at most their spacing, and headings at most 360 / N degrees beyond what it
+/// says, from which refinement may reach it. Only the first 256 layers are searched.
 ///
 /// A candidate is rejected early if its rough score is more than 30 nats below the worst entry of a full pool. The rough
 /// score is an estimate, not a bound: a pose that belongs into the pool can be lost, though hardly the best one.
@@ -134,7 +149,7 @@ pub struct Query<'a> {
 /// # let floor = site.floor(0).unwrap();
 /// use compass_core::base::num::{BINS, CellNats, Turn};
 /// use compass_core::pose::heights::{HeightGrid, HeightPrior};
-/// use compass_core::pose::{FloorLayer, HitEvidence, PoolEntry, Rows, search};
+/// use compass_core::pose::{FloorLayer, HitEvidence, PoolEntry, PosePrior, Rows, search};
 /// use compass_core::vision::boundary::{BoundaryEvidence, CELLS};
 ///
 /// # let map = *floor.map();
@@ -154,7 +169,7 @@ pub struct Query<'a> {
 ///
 /// let mut pool = [PoolEntry::EMPTY; 64];
 /// let heights = HeightGrid::coarse(&HeightPrior::camera(1.5));
-/// let count = search(&rows, &heights, &[layer], |_, _| true, &mut pool);
+/// let count = search(&rows, &heights, &[layer], &PosePrior::UNKNOWN, &mut pool);
 /// assert!(count > 1);
 /// let best = pool[0].pose(&[layer]).unwrap();
 /// assert_eq!((Some(best.at), best.heading), (map.position(7), Turn::ZERO));
@@ -166,13 +181,13 @@ pub fn search<const N: usize>(
     rows: &Rows<N>,
     heights: &HeightGrid,
     layers: &[FloorLayer<'_>],
-    among: impl Fn(u8, usize) -> bool,
+    within: &PosePrior,
     pool: &mut [PoolEntry],
 ) -> usize {
     let mut pool = Pool { slots: pool, used: 0 };
     let mut scores = Scores::<N>::NONE;
-    for (number, layer) in (0..=u8::MAX).zip(layers) {
-        for candidate in (0..layer.map.len()).filter(|&candidate| among(number, candidate)) {
+    for (number, layer) in (0..=u8::MAX).zip(layers).filter(|(_, layer)| within.has_floor(layer.floor)) {
+        for candidate in (0..layer.map.len()).filter(|&candidate| layer.is_near(candidate, within)) {
             let Some(packed) = layer.packed(candidate) else { continue };
             let rays = Rows::<N>::rough_rays(packed);
             scores.fill(heights, N / 2, |source, out| rows.rough_scores(&rays, source, out));
@@ -182,6 +197,7 @@ pub fn search<const N: usize>(
             }
             let runs = Rows::<N>::runs_of(packed);
             scores.fill(heights, N, |source, out| rows.scores(&runs, source, out));
+            scores.keep_headings(within);
             if pool.is_worth(Rows::<N>::of_360(scores.top(N)))
                 && let Some(record) = layer.map.get(candidate)
             {
@@ -267,6 +283,20 @@ impl<const N: usize> Scores<N> {
     fn keep(&mut self, is_worth: impl Fn(i16) -> bool) {
         for top in &mut self.tops {
             *top = if is_worth(*top) { *top } else { i16::MIN };
+        }
+    }
+
+    /// Leaves out the headings that are known to be wrong by more than a step.
+    #[expect(clippy::cast_possible_truncation, reason = "at most 360 headings")]
+    fn keep_headings(&mut self, within: &PosePrior) {
+        if within.heading().is_none() {
+            return;
+        }
+        for (heading, best) in (0..).zip(&mut self.best) {
+            if !within.has_heading_within(Turn::from_ratio(heading, N as u32), Turn::from_ratio(1, N as u32))
+            {
+                *best = i16::MIN;
+            }
         }
     }
 

@@ -171,7 +171,7 @@ fn check_found<const N: usize>(building: &Building, seed: u32) {
         let observed = Observed::of(&scan, &mut random);
         let (table, rows) = (observed.table(), observed.rows::<N>());
         let mut pool = [PoolEntry::EMPTY; 64];
-        let used = search(&rows, &grid(), &[layer], |_, _| true, &mut pool);
+        let used = search(&rows, &grid(), &[layer], &PosePrior::UNKNOWN, &mut pool);
         let mut refined = poses(&[layer], &pool[..used.min(8)]);
         for pose in refined.iter_mut() {
             let climbed = refine(&table, &layer, *pose);
@@ -212,12 +212,13 @@ fn an_empty_table_scores_zero_everywhere() {
     let building = Building::new();
     let rows = Observed::nothing().rows::<90>();
     let mut pool = [PoolEntry::EMPTY; 16];
-    let used = search(&rows, &grid(), &[building.layer()], |_, _| true, &mut pool);
+    let nowhere = PosePrior::UNKNOWN.near(point(5.0, 3.0), Metres::from_num(-1));
+    let used = search(&rows, &grid(), &[building.layer()], &PosePrior::UNKNOWN, &mut pool);
     assert!(
         used > 0 && poses(&[building.layer()], &pool[..used]).iter().all(|pose| pose.score == Nats::ZERO)
     );
-    assert_eq!(search(&rows, &grid(), &[building.layer()], |_, _| false, &mut pool), 0);
-    assert_eq!(search(&rows, &grid(), &[building.layer()], |_, _| true, &mut []), 0);
+    assert_eq!(search(&rows, &grid(), &[building.layer()], &nowhere, &mut pool), 0);
+    assert_eq!(search(&rows, &grid(), &[building.layer()], &PosePrior::UNKNOWN, &mut []), 0);
 }
 
 /// Entries of a pool as poses.
@@ -238,7 +239,7 @@ fn a_pool_of_any_size_keeps_the_best() {
     });
     let rows = observed.rows::<360>();
     let mut all = vec![PoolEntry::EMPTY; 2000];
-    let used = search(&rows, &grid(), &[layer, layer], |_, _| true, &mut all);
+    let used = search(&rows, &grid(), &[layer, layer], &PosePrior::UNKNOWN, &mut all);
     all.truncate(used);
     let all = poses(&[layer; 2], &all);
     assert_eq!(all[0].at, all[1].at, "both layers are kept");
@@ -253,7 +254,7 @@ fn a_pool_of_any_size_keeps_the_best() {
     assert_eq!(floors(&layers, &all), all[1]);
     for len in [1, 2, 3, 7, 100] {
         let mut few = vec![PoolEntry::EMPTY; len];
-        let kept = search(&rows, &grid(), &[layer, layer], |_, _| true, &mut few);
+        let kept = search(&rows, &grid(), &[layer, layer], &PosePrior::UNKNOWN, &mut few);
         let few = poses(&[layer; 2], &few[..kept]);
         assert!(kept > 0 && few.iter().all(|pose| all.contains(pose)));
         assert_eq!(few[0], all[0]);
@@ -272,7 +273,14 @@ fn by_surface<'a>(layer: FloorLayer<'a>, cells: &[CellNats]) -> Fix<'a> {
     };
     let boundaries = BoundaryEvidence::new(cells).unwrap();
     let windows = crate::vision::windows::WindowEvidence::NOTHING;
-    locate::locate(&boundaries, heights::HeightPrior::camera(1.5), &windows, &[layer], &mut work)
+    locate::locate(
+        &boundaries,
+        heights::HeightPrior::camera(1.5),
+        &PosePrior::UNKNOWN,
+        &windows,
+        &[layer],
+        &mut work,
+    )
 }
 
 #[test]

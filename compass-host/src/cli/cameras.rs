@@ -3,6 +3,7 @@
 use super::heights::HeightArgs;
 use super::notes::note;
 use super::plan::{finite, pair};
+use super::prior::PlaceArgs;
 use super::up::{MountOption, UpFromOption};
 use anyhow::{Result, bail};
 use compass_core::HeightPrior;
@@ -36,6 +37,8 @@ pub(super) struct CameraArgs {
     imu: ImuArgs,
     #[command(flatten)]
     heights: HeightArgs,
+    #[command(flatten)]
+    pub(super) place: PlaceArgs,
 }
 
 /// The up vector, if it is given.

@@ -20,6 +20,7 @@ mod pictures;
 mod places;
 mod plan;
 mod pose;
+mod prior;
 mod progress;
 mod see;
 mod segments;

@@ -1,5 +1,6 @@
 //! Poses and times in the JSON results.
 
+use compass_core::Covariance;
 use compass_core::descriptor::matching::Match;
 use compass_core::map::site_map::SiteMap;
 use compass_host::clock::Clock;
@@ -18,6 +19,14 @@ pub(super) struct Pose<'a> {
     pub(super) y: Decimal,
     pub(super) heading_deg: Decimal,
     pub(super) score: Decimal,
+    /// Of x, y and heading: m2, m rad and rad2.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) covariance: Option<[[Decimal; 3]; 3]>,
+}
+
+/// A covariance in the JSON result.
+pub(super) fn covariance(covariance: &Covariance) -> [[Decimal; 3]; 3] {
+    covariance.rows().map(|row| row.map(|value| Decimal(f64::from(value))))
 }
 
 impl<'a> Pose<'a> {
@@ -29,6 +38,7 @@ impl<'a> Pose<'a> {
             y: Decimal(at.y.to_num()),
             heading_deg: Decimal(f64::from(found.peak.shift)),
             score: Decimal(found.peak.score().to_num()),
+            covariance: None,
         }
     }
 

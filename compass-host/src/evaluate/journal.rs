@@ -187,6 +187,7 @@ mod tests {
             height_m: 1.7,
             height: 2,
             ceiling: 0,
+            covariance: None,
             single: vec![super::super::Found { layer: 1, x: -5 << 32, y: 7, heading: u32::MAX, score: -3 }],
             rival: Some(7),
             oracle: Vec::new(),

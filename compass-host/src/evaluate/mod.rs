@@ -7,6 +7,7 @@
 //! at the true pose: its failures are the search's own. The *paper's* method is the five-channel cosine of the
 //! observed descriptor.
 
+mod coverage;
 mod error;
 mod evidence_file;
 pub mod frame_errors;
@@ -23,6 +24,7 @@ mod run;
 pub mod sequence;
 mod worker;
 
+pub use coverage::Coverage;
 pub use error::EvaluateError;
 pub use evidence_file::Evidence;
 pub use frame_errors::FrameErrors;

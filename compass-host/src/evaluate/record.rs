@@ -60,6 +60,9 @@ pub struct Record {
     pub ceiling: i8,
     /// The single frame's best pose and its alternatives.
     pub single: Vec<Found>,
+    /// Covariance of x, y and heading of the best pose, if it is right: m2, m rad, rad2.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub covariance: Option<[[f32; 3]; 3]>,
     /// Bits of the best score elsewhere with another up vector, if several were tried.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rival: Option<i32>,

@@ -162,6 +162,7 @@ mod tests {
             ceiling: 0,
             single: Vec::new(),
             rival: None,
+            covariance: None,
             oracle: Vec::new(),
             evidence: None,
             paper: [None; crate::evaluate::PAPER.len()],

@@ -89,6 +89,7 @@ impl<'a> Worker<'a> {
             height_m: self.job.heights.camera_m().unwrap_or(NOMINAL_HEIGHT_M),
             single: Vec::new(),
             rival: None,
+            covariance: None,
             oracle: Vec::new(),
             evidence: None,
             paper: [None; PAPER.len()],
@@ -173,6 +174,7 @@ impl<'a> Worker<'a> {
         clock.stage("locate");
         record.up = Some(up);
         record.rival = fix.rival().map(Nats::to_bits);
+        record.covariance = fix.covariance().map(|covariance| covariance.rows());
         record.height_m = fix.camera_height_m();
         // A score of 0 carries no information.
         record.single = fix.poses().iter().map(Found::from).filter(|found| found.score > 0).collect();

@@ -6,4 +6,4 @@ mod place;
 
 pub use build::{BuildError, BuildOptions, build, build_with_progress};
 pub use packed_plan::{PackError, PackedPlan, ScanError};
-pub use place::{point, turn, wrapped};
+pub use place::{metres, point, turn, wrapped};

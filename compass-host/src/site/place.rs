@@ -5,8 +5,13 @@ use compass_core::base::num::{Metres, Point, Turn};
 /// A point of the map from metres; `None` when it is not finite or out of range.
 #[must_use]
 pub fn point(x: f64, y: f64) -> Option<Point> {
-    let metres = |v: f64| if v.is_finite() { Metres::checked_from_num(v) } else { None };
     Some(Point::new(metres(x)?, metres(y)?))
+}
+
+/// A length from metres; `None` when it is not finite or out of range.
+#[must_use]
+pub fn metres(value: f64) -> Option<Metres> {
+    if value.is_finite() { Metres::checked_from_num(value) } else { None }
 }
 
 /// A heading from degrees.

@@ -197,6 +197,29 @@ typedef int32_t CompassHeightKind;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
+// What is known of the pose: `Anywhere`, or a sum of the others. There is no 0: a prior that says nothing is refused.
+enum CompassPlaceKind
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : int32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // Unknown: all floors are searched at all headings.
+  COMPASS_PLACE_KIND_ANYWHERE = 1,
+  // The position is at most `near_radius_m` from `near_x`, `near_y`.
+  COMPASS_PLACE_KIND_NEAR = 2,
+  // The heading is at most `heading_width` from `heading`, to either side.
+  COMPASS_PLACE_KIND_HEADING = 4,
+  // The pose is on `floor`.
+  COMPASS_PLACE_KIND_FLOOR = 8,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum CompassPlaceKind CompassPlaceKind;
+#else
+typedef int32_t CompassPlaceKind;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
 // The formula of a lens.
 enum CompassLensModel
 #if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
@@ -373,6 +396,21 @@ typedef struct {
   float camera_height_m;
   // Heights of camera and ceiling.
   CompassHeights heights;
+  // Which of the fields below hold: read by compass_locate. They restrict the search, so be generous: poses elsewhere are
+  // not found.
+  CompassPlaceKind place_kind;
+  // Map coordinate in 1/2^32 m: see compass_coordinate.
+  int64_t near_x;
+  // Map coordinate in 1/2^32 m: see compass_coordinate.
+  int64_t near_y;
+  // Largest distance from there, metres, above 0.
+  float near_radius_m;
+  // Heading of camera 0 in 1/2^32 turn, counter-clockwise from +x.
+  uint32_t heading;
+  // Largest angle from it to either side, in 1/2^32 turn, above 0.
+  uint32_t heading_width;
+  // Number of the floor, in the order in which the sites have them and were added.
+  uint8_t floor;
 } CompassPrior;
 
 // A pose on a floor.
@@ -397,6 +435,8 @@ typedef struct {
 typedef struct {
   // The best pose and its alternatives, best first.
   CompassPose poses[COMPASS_MAX_POSES];
+  // Of each pose the covariance of its error if it is right, of x, y and heading, row by row: m2, m rad and rad2.
+  float covariances[COMPASS_MAX_POSES][9];
   // Number of poses; 0 if none was found.
   uint32_t count;
   // Probability that the best is within 1 m of the true one, 0 to 1.

@@ -250,8 +250,11 @@ impl Compass {
             return Err(Failure::Order("no site was added: compass_add_site"));
         }
         let heights = prior.heights()?;
+        let floors =
+            self.layers.iter().flatten().map(|layer| layer.floor.saturating_add(1)).max().unwrap_or(0);
+        let place = prior.place(floors)?;
         let seen = self.seen.as_mut().ok_or(Failure::Order("no frames were seen: compass_see"))?;
-        let fix = seen.locate(heights);
+        let fix = seen.locate_within(heights, &place);
         Ok(CompassFix::new(self.fix.insert(fix), &self.layers))
     }
 

@@ -2,8 +2,9 @@
 
 use crate::failure::Failure;
 use compass_core::base::ladder::HEIGHTS_M;
+use compass_core::base::num::Metres;
 use compass_core::pose::heights::Heights;
-use compass_core::{Bearing, HeightPrior};
+use compass_core::{Bearing, HeightPrior, Point, PosePrior, Turn};
 
 /// Least height of the cameras above the floor that can be known, metres.
 pub const COMPASS_LEAST_CAMERA_HEIGHT_M: f32 = 0.55;
@@ -37,6 +38,25 @@ pub enum CompassHeightKind {
     /// Both are `heights`, as from an earlier fix on this floor.
     Both = 3,
 }
+
+/// What is known of the pose: `Anywhere`, or a sum of the others. There is no 0: a prior that says nothing is refused.
+#[repr(i32)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CompassPlaceKind {
+    /// Unknown: all floors are searched at all headings.
+    Anywhere = 1,
+    /// The position is at most `near_radius_m` from `near_x`, `near_y`.
+    Near = 2,
+    /// The heading is at most `heading_width` from `heading`, to either side.
+    Heading = 4,
+    /// The pose is on `floor`.
+    Floor = 8,
+}
+
+/// What is known of the pose, as C gives it: any number. The header calls it `CompassPlaceKind`.
+#[repr(transparent)]
+#[derive(Debug, Clone, Copy)]
+pub struct AnyPlaceKind(pub(crate) i32);
 
 /// What is known of up, as C gives it: any number. The header calls it `CompassUpKind`.
 #[repr(transparent)]
@@ -72,6 +92,21 @@ pub struct CompassPrior {
     pub camera_height_m: f32,
     /// Heights of camera and ceiling.
     pub heights: CompassHeights,
+    /// Which of the fields below hold: read by compass_locate. They restrict the search, so be generous: poses elsewhere are
+    /// not found.
+    pub place_kind: AnyPlaceKind,
+    /// Map coordinate in 1/2^32 m: see compass_coordinate.
+    pub near_x: i64,
+    /// Map coordinate in 1/2^32 m: see compass_coordinate.
+    pub near_y: i64,
+    /// Largest distance from there, metres, above 0.
+    pub near_radius_m: f32,
+    /// Heading of camera 0 in 1/2^32 turn, counter-clockwise from +x.
+    pub heading: u32,
+    /// Largest angle from it to either side, in 1/2^32 turn, above 0.
+    pub heading_width: u32,
+    /// Number of the floor, in the order in which the sites have them and were added.
+    pub floor: u8,
 }
 
 /// What is known of the upward direction.
@@ -108,6 +143,44 @@ impl CompassPrior {
         }
         let [x, y, z] = self.up.map(|value| value / largest);
         Ok(Bearing::new(x, y, z))
+    }
+
+    /// What is known of the pose, on a number of floors.
+    ///
+    /// # Errors
+    /// [`Failure::Prior`].
+    pub(crate) fn place(&self, floors: u8) -> Result<PosePrior, Failure> {
+        const ANYWHERE: i32 = CompassPlaceKind::Anywhere as i32;
+        const NEAR: i32 = CompassPlaceKind::Near as i32;
+        const HEADING: i32 = CompassPlaceKind::Heading as i32;
+        const FLOOR: i32 = CompassPlaceKind::Floor as i32;
+        let kind = self.place_kind.0;
+        let mut place = PosePrior::UNKNOWN;
+        if kind == ANYWHERE {
+            return Ok(place);
+        }
+        if kind <= 0 || kind & !(NEAR | HEADING | FLOOR) != 0 {
+            return Err(Failure::Prior("place_kind does not say what is known of the pose"));
+        }
+        if kind & NEAR != 0 {
+            let radius = Metres::checked_from_num(self.near_radius_m).filter(|radius| *radius > 0);
+            let radius = radius.ok_or(Failure::Prior("near_radius_m is not above 0"))?;
+            place = place
+                .near(Point::new(Metres::from_bits(self.near_x), Metres::from_bits(self.near_y)), radius);
+        }
+        if kind & HEADING != 0 {
+            if self.heading_width == 0 {
+                return Err(Failure::Prior("heading_width is 0"));
+            }
+            place = place.heading_near(Turn::from_bits(self.heading), Turn::from_bits(self.heading_width));
+        }
+        if kind & FLOOR != 0 {
+            if self.floor >= floors {
+                return Err(Failure::Prior("there is no floor of this number"));
+            }
+            place = place.on_floor(self.floor);
+        }
+        Ok(place)
     }
 
     /// # Errors

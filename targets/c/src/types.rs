@@ -332,6 +332,8 @@ impl CompassPose {
 pub struct CompassFix {
     /// The best pose and its alternatives, best first.
     pub poses: [CompassPose; COMPASS_MAX_POSES],
+    /// Of each pose the covariance of its error if it is right, of x, y and heading, row by row: m2, m rad and rad2.
+    pub covariances: [[f32; 9]; COMPASS_MAX_POSES],
     /// Number of poses; 0 if none was found.
     pub count: u32,
     /// Probability that the best is within 1 m of the true one, 0 to 1.
@@ -347,6 +349,7 @@ pub struct CompassFix {
 impl CompassFix {
     pub(crate) const NONE: Self = Self {
         poses: [CompassPose::NONE; COMPASS_MAX_POSES],
+        covariances: [[0.0; 9]; COMPASS_MAX_POSES],
         count: 0,
         probability: 0.0,
         camera_height_m: 0.0,
@@ -357,9 +360,14 @@ impl CompassFix {
     pub(crate) fn new(fix: &Fix<'_>, layers: &[Option<FloorLayer<'_>>]) -> Self {
         let mut poses = [CompassPose::NONE; COMPASS_MAX_POSES];
         poses.iter_mut().zip(fix.poses()).for_each(|(pose, scored)| *pose = CompassPose::new(scored, layers));
+        let mut covariances = [[0.0; 9]; COMPASS_MAX_POSES];
+        for (values, covariance) in covariances.iter_mut().zip(fix.covariances()) {
+            values.iter_mut().zip(covariance.rows().as_flattened()).for_each(|(value, new)| *value = *new);
+        }
         let [camera, ceiling] = fix.heights().to_rungs();
         Self {
             poses,
+            covariances,
             count: fix.poses().len().min(COMPASS_MAX_POSES) as u32,
             probability: fix.probability(),
             camera_height_m: fix.camera_height_m(),

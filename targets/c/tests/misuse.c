@@ -54,6 +54,7 @@ static const CompassCamera back = {
 static const CompassPrior prior = {
     .up_kind = COMPASS_UP_KIND_NEAR, .up = {0, 1, 0},
     .height_kind = COMPASS_HEIGHT_KIND_CAMERA, .camera_height_m = 1.6f,
+    .place_kind = COMPASS_PLACE_KIND_ANYWHERE,
 };
 
 static uint8_t *read_file(const char *directory, const char *name, size_t *length) {
@@ -321,11 +322,38 @@ static void priors(Compass *compass) {
     EXPECT(PRIOR, compass_locate(compass, &wrong, &fix));
     wrong.height_kind = COMPASS_HEIGHT_KIND_BOTH, wrong.heights = (CompassHeights){.camera = 127, .ceiling = 0};
     EXPECT(PRIOR, compass_locate(compass, &wrong, &fix));
+    wrong = prior, wrong.place_kind = (CompassPlaceKind)0;
+    EXPECT(PRIOR, compass_locate(compass, &wrong, &fix));
+    wrong.place_kind = (CompassPlaceKind)(COMPASS_PLACE_KIND_ANYWHERE | COMPASS_PLACE_KIND_NEAR);
+    EXPECT(PRIOR, compass_locate(compass, &wrong, &fix));
+    const float radii[] = {NAN, -1, 0, 1e30f, INFINITY};
+    for (size_t i = 0; i < COUNT(radii); i++) {
+        wrong = prior, wrong.place_kind = COMPASS_PLACE_KIND_NEAR, wrong.near_radius_m = radii[i];
+        EXPECT(PRIOR, compass_locate(compass, &wrong, &fix));
+    }
+    wrong = prior, wrong.place_kind = COMPASS_PLACE_KIND_HEADING;
+    EXPECT(PRIOR, compass_locate(compass, &wrong, &fix));
+    wrong.place_kind = COMPASS_PLACE_KIND_FLOOR, wrong.floor = 200;
+    EXPECT(PRIOR, compass_locate(compass, &wrong, &fix));
     EXPECT(NULL, compass_locate(compass, NULL, &fix));
     EXPECT(NULL, compass_locate(compass, &prior, NULL));
+    // Told where to look, it finds the same there and nothing elsewhere.
+    CompassFix told;
+    EXPECT(OK, compass_locate(compass, &prior, &fix));
+    IS(fix.covariances[0][0] > 0 && fix.covariances[0][4] > 0 && fix.covariances[0][8] > 0, true);
+    wrong = prior;
+    wrong.place_kind = (CompassPlaceKind)(COMPASS_PLACE_KIND_NEAR | COMPASS_PLACE_KIND_HEADING | COMPASS_PLACE_KIND_FLOOR);
+    wrong.near_x = fix.poses[0].x, wrong.near_y = fix.poses[0].y, wrong.near_radius_m = 0.5f;
+    wrong.heading = fix.poses[0].heading, wrong.heading_width = 1u << 27, wrong.floor = 0;
+    EXPECT(OK, compass_locate(compass, &wrong, &told));
+    IS(told.count, 1);
+    IS(fabs(compass_metres(told.poses[0].x - fix.poses[0].x)) < 0.05, true);
+    wrong.near_x = compass_coordinate(1e6), wrong.near_y = 0;
+    EXPECT(NOWHERE, compass_locate(compass, &wrong, &told));
+    IS(told.count, 0);
     // What a fix says of heights, the next prior may say.
     EXPECT(OK, compass_locate(compass, &prior, &fix));
-    wrong.heights = fix.heights;
+    wrong = prior, wrong.height_kind = COMPASS_HEIGHT_KIND_BOTH, wrong.heights = fix.heights;
     EXPECT(OK, compass_locate(compass, &wrong, &fix));
 }
 

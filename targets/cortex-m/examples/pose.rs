@@ -19,7 +19,7 @@ fn locate(site: &Site<'static>, memory: &mut [u32]) -> Result<Fix<'static>, Loca
     let frames =
         FRAMES.map(|pixels| GrayImage::new(pixels, WIDTH.into(), HEIGHT.into()).ok().map(Frame::from));
     // The rig hangs upside down, 1.6 m above the floor.
-    let prior = Prior { up: UpHint::Up(Bearing::new(0.0, 1.0, 0.0)), heights: HeightPrior::camera(1.6) };
+    let prior = Prior::new(UpHint::Up(Bearing::new(0.0, 1.0, 0.0)), HeightPrior::camera(1.6));
     locator.locate(&frames, &prior)
 }
 

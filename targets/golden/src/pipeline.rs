@@ -122,10 +122,12 @@ fn boundary_words<'a>(evidence: &'a BoundaryEvidence<'_>) -> impl Iterator<Item 
     evidence.cells().iter().map(|cell| cell.to_bits() as u32)
 }
 
-/// All poses with their scores, and the heights.
+/// All poses with their scores, their covariances, and the heights.
 fn fix_words<'a>(fix: &'a Fix<'_>) -> impl Iterator<Item = u32> + 'a {
     let heights = fix.heights().to_rungs().map(|rungs| rungs as u32);
-    fix.poses().iter().flat_map(pose_words).chain(heights)
+    let covariances = fix.covariances().iter().flat_map(|covariance| covariance.rows());
+    let covariances = covariances.flatten().map(f32::to_bits);
+    fix.poses().iter().flat_map(pose_words).chain(covariances).chain(heights)
 }
 
 /// The likeliest pose, its probability and the spread.

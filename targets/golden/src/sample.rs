@@ -51,7 +51,7 @@ pub fn frames() -> Frames<'static> {
 /// The rig hangs upside down, 1.6 m above the floor.
 #[must_use]
 pub const fn prior() -> Prior {
-    Prior { up: UpHint::Up(Bearing::new(0.0, 1.0, 0.0)), heights: HeightPrior::camera(1.6) }
+    Prior::new(UpHint::Up(Bearing::new(0.0, 1.0, 0.0)), HeightPrior::camera(1.6))
 }
 
 /// The nominal rig of `compass-host`, for frames of a quarter of its width and height.

@@ -16,7 +16,7 @@ use compass_host::evaluate::judged::{JudgedFrame, ROWS, count_up_sources, mean_m
 use compass_host::evaluate::report::{self, ReportData};
 use compass_host::evaluate::sequence::Followed;
 use compass_host::evaluate::{
-    EvaluateError, Evidence, Fingerprint, FrameErrors, Job, Journal, Judge, Misses, Record, Row,
+    Coverage, EvaluateError, Evidence, Fingerprint, FrameErrors, Job, Journal, Judge, Misses, Record, Row,
     largest_errors, localize, sequence,
 };
 use compass_host::input;
@@ -328,6 +328,7 @@ impl Evaluate {
             notes: &recording.notes,
             topics: recording.topics.as_ref().map(Topics::to_string),
             up_from: count_up_sources(frames),
+            coverage: Coverage::of(frames),
             rows: rows.into_iter().chain([sure]).collect(),
             milliseconds: milliseconds.iter().map(|(stage, ms)| (stage.clone(), Decimal(*ms))).collect(),
             walls: WallSummary::of(walls),

@@ -2,7 +2,7 @@
 
 use compass_host::dataset::faults::{Fault, Faults, Item};
 use compass_host::evaluate::judged::JudgedFrame;
-use compass_host::evaluate::{Found, Misses, Row};
+use compass_host::evaluate::{Coverage, Found, Misses, Row};
 use compass_host::output::Decimal;
 use compass_host::site_file::SiteFloor;
 use compass_host::wall_check::WallSummary;
@@ -29,6 +29,8 @@ pub(super) struct Output<'a> {
     pub(super) topics: Option<String>,
     /// Number of frames by source of the up vector: image, IMU or both.
     pub(super) up_from: BTreeMap<&'static str, usize>,
+    /// How many errors of right answers lie within 1, 2 and 3 standard deviations.
+    pub(super) coverage: Coverage,
     pub(super) rows: Vec<Row>,
     pub(super) milliseconds: BTreeMap<String, Decimal>,
     pub(super) walls: WallSummary,
@@ -82,6 +84,9 @@ pub(super) struct Frame<'a> {
     /// Probability of the single frame's pose.
     pub(super) probability: Decimal,
     pub(super) single: Option<Placed<'a>>,
+    /// Covariance of x, y and heading of the single frame's pose, if it is right: m2, m rad and rad2.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) covariance: Option<[[Decimal; 3]; 3]>,
     pub(super) track: Option<Tracked<'a>>,
     pub(super) oracle: Option<Placed<'a>>,
     pub(super) paper_plain: Option<Placed<'a>>,
@@ -110,6 +115,10 @@ impl<'a> Frame<'a> {
             lead: Decimal(frame.record.lead()),
             probability: Decimal(f64::from(frame.record.probability())),
             single: placed(single.first(), 0),
+            covariance: frame
+                .record
+                .covariance
+                .map(|rows| rows.map(|row| row.map(|v| Decimal(f64::from(v))))),
             track: placed(frame.track.as_ref(), 1).zip(frame.estimate).map(|(placed, estimate)| Tracked {
                 placed,
                 probability: Decimal(f64::from(estimate.probability)),
@@ -195,6 +204,18 @@ impl Output<'_> {
                 percent(row.recall_at_1_m),
                 percent(row.recall_at_1_m_30_deg),
                 row.challenge_score.0,
+            );
+        }
+        if self.coverage.answers > 0 {
+            let percent =
+                |shares: &[Decimal; 3]| shares.map(|share| format!("{:.0}", 100.0 * share.0)).join(", ");
+            let _ = writeln!(
+                text,
+                "of {} right answers, within 1, 2, 3 standard deviations: position {} % (39, 86, 99 expected), heading {} % \
+                 (68, 95, 99.7)",
+                self.coverage.answers,
+                percent(&self.coverage.position),
+                percent(&self.coverage.heading),
             );
         }
         let stages: Vec<_> =

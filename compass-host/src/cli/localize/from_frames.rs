@@ -4,12 +4,13 @@ use crate::cli::cameras::CameraArgs;
 use crate::cli::exit::Outcome;
 use crate::cli::json::JsonOption;
 use crate::cli::notes::note;
-use crate::cli::pose::{Pose, milliseconds};
+use crate::cli::pose::{Pose, covariance, milliseconds};
+use crate::cli::prior::{PlaceArgs, PriorOutput};
 use anyhow::{Context as _, Result};
 use compass_core::base::num::Metres;
 use compass_core::pose::{FloorLayer, ScoredPose};
 use compass_core::vision::shot::Shot;
-use compass_core::{Bearing, ExclusionMask, Fix, Frame, HeightPrior, Settings, UpHint};
+use compass_core::{Bearing, Covariance, ExclusionMask, Fix, Frame, HeightPrior, Settings, UpHint};
 use compass_host::clock::Clock;
 use compass_host::doubt;
 use compass_host::input;
@@ -44,6 +45,11 @@ struct Output<'a> {
     margin: Decimal,
     /// Probability that the pose is within 1 m of the true one.
     probability: Decimal,
+    /// Of x, y and heading, if the pose is right: m2, m rad and rad2.
+    covariance: Option<[[Decimal; 3]; 3]>,
+    /// What was told of the pose, which restricted the search.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    prior: Option<PriorOutput>,
     candidates: Vec<Pose<'a>>,
     /// Verdicts on the walls of the plan as drawn, from this pair of frames.
     walls: WallSummary,
@@ -61,6 +67,8 @@ struct Output<'a> {
 struct Unsure<'a> {
     probability: Decimal,
     reason: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    prior: Option<PriorOutput>,
     candidates: Vec<Pose<'a>>,
 }
 
@@ -93,13 +101,14 @@ enum Found<'a> {
 
 /// Options of the localization.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Options {
+pub(super) struct Options<'o> {
     pub(super) settings: Settings,
+    pub(super) place: &'o PlaceArgs,
     pub(super) truth: Option<([f64; 2], f64)>,
     pub(super) least_probability: f64,
 }
 
-impl Options {
+impl Options<'_> {
     /// Whether a pose is said.
     fn is_sure(&self, fix: &Fix<'_>) -> bool {
         f64::from(fix.probability()) >= self.least_probability
@@ -107,7 +116,12 @@ impl Options {
 }
 
 /// Observes, searches and reports.
-pub(super) fn run(map: &Path, input: &Input<'_>, options: &Options, json: &JsonOption) -> Result<Outcome> {
+pub(super) fn run(
+    map: &Path,
+    input: &Input<'_>,
+    options: &Options<'_>,
+    json: &JsonOption,
+) -> Result<Outcome> {
     let mut clock = Clock::start();
     let file = SiteFile::read(map)?;
     let floors = file.floors();
@@ -116,22 +130,23 @@ pub(super) fn run(map: &Path, input: &Input<'_>, options: &Options, json: &JsonO
     }
     clock.stage("read_map");
     let found = match input {
-        Input::Images(cameras) => of_images(&floors, cameras, options, &mut clock)?,
-        Input::Shot(path) => of_shot(&floors, path, options, &mut clock)?,
+        Input::Images(cameras) => of_images(map, &floors, cameras, options, &mut clock)?,
+        Input::Shot(path) => of_shot(map, &floors, path, options, &mut clock)?,
     };
     let located = match found {
         Found::Place(located) => *located,
-        Found::Nothing(reason) => return unsure(0.0, reason, Vec::new(), json),
+        Found::Nothing(reason) => return unsure(0.0, reason, options, Vec::new(), json),
     };
     let Located { up, fix, walls, layers, fault } = located;
     let coarse = doubt::of_maps(&floors);
-    let poses: Vec<_> = fix.poses().iter().map(|scored| pose(scored, &layers)).collect();
+    let poses = fix.poses().iter().zip(fix.covariances());
+    let poses: Vec<_> = poses.map(|(scored, spread)| pose(scored, spread, &layers)).collect();
     let probability = f64::from(fix.probability());
     let best = poses.first().copied().zip(fix.best()).filter(|_| options.is_sure(&fix));
     let Some((best, scored)) = best else {
         let reason = with_fault(doubt::of_fix(&fix, options.least_probability), coarse);
         let reason = with_fault(reason, fault);
-        return unsure(probability, reason, poses, json);
+        return unsure(probability, reason, options, poses, json);
     };
     if let Some(coarse) = coarse {
         note(&format!("{}: {coarse}", map.display()));
@@ -150,6 +165,8 @@ pub(super) fn run(map: &Path, input: &Input<'_>, options: &Options, json: &JsonO
         bits: bits(scored),
         margin: Decimal(fix.margin().to_num()),
         probability: Decimal(probability),
+        covariance: best.covariance,
+        prior: options.place.output(),
         candidates: poses,
         walls: WallSummary::of(&walls),
         position_error_m: errors.map(|(metres, _)| Decimal(metres)),
@@ -157,14 +174,21 @@ pub(super) fn run(map: &Path, input: &Input<'_>, options: &Options, json: &JsonO
         milliseconds: milliseconds(&clock),
         reason: None,
     };
-    json.emit(&output, &summary(&output))?;
+    json.emit(&output, &summary(&output, fix.covariance(), options.place))?;
     Ok(Outcome::Done)
 }
 
 /// Reports that there is no pose, and why.
-fn unsure(probability: f64, reason: String, candidates: Vec<Pose<'_>>, json: &JsonOption) -> Result<Outcome> {
+fn unsure(
+    probability: f64,
+    reason: String,
+    options: &Options<'_>,
+    candidates: Vec<Pose<'_>>,
+    json: &JsonOption,
+) -> Result<Outcome> {
     let summary = format!("I don't know (probability {probability:.2}): {reason}\n");
-    json.emit(&Unsure { probability: Decimal(probability), reason, candidates }, &summary)?;
+    let prior = options.place.output();
+    json.emit(&Unsure { probability: Decimal(probability), reason, prior, candidates }, &summary)?;
     Ok(Outcome::No)
 }
 
@@ -177,21 +201,23 @@ fn with_fault(reason: String, fault: Option<String>) -> String {
 }
 
 fn of_images<'a>(
+    map: &Path,
     floors: &[SiteFloor<'a>],
     cameras: &CameraArgs,
-    options: &Options,
+    options: &Options<'_>,
     clock: &mut Clock,
 ) -> Result<Found<'a>> {
     let cameras = cameras.load()?;
     let frames = cameras.frames.each_ref().map(Option::as_ref);
     clock.stage("read_frames");
     let mut locator = Locator::new(floors, cameras.rig, options.settings)?;
+    let within = options.place.prior(map, locator.layers())?;
     let name = || cameras.name.clone();
     let mut segmented = locator.segment(frames).with_context(name)?;
     let placed = cameras
         .up
         .candidates(&mut segmented)
-        .and_then(|ups| locate_by_plan(segmented, &ups, cameras.heights));
+        .and_then(|ups| locate_by_plan(segmented, &ups, cameras.heights, &within));
     let mut located = match placed {
         Ok(placed) => Located::new(placed, floors, options),
         Err(error) if error.is_answer() => {
@@ -209,9 +235,10 @@ fn of_images<'a>(
 }
 
 fn of_shot<'a>(
+    map: &Path,
     floors: &[SiteFloor<'a>],
     path: &Path,
-    options: &Options,
+    options: &Options<'_>,
     clock: &mut Clock,
 ) -> Result<Found<'a>> {
     let name = || path.display().to_string();
@@ -220,13 +247,14 @@ fn of_shot<'a>(
     clock.stage("read_frames");
     let header = shot.header();
     let mut locator = Locator::new(floors, header.rig, options.settings)?;
+    let within = options.place.prior(map, locator.layers())?;
     let frames = shot
         .images()
         .map(|image| image.map(|(gray, red)| Frame { gray, excluded: ExclusionMask::Mask(red) }));
     let mut segmented = locator.segment_borrowed(&frames).with_context(name)?;
     let up = segmented.vertical(UpHint::Up(header.up)).map_err(SeeError::from).with_context(name)?.up;
     let heights = header.height_m.map_or(HeightPrior::UNKNOWN, HeightPrior::camera);
-    let placed = locate_by_plan(segmented, &[up], heights).with_context(name)?;
+    let placed = locate_by_plan(segmented, &[up], heights, &within).with_context(name)?;
     let mut located = Located::new(placed, floors, options);
     clock.extend(locator.watch().milliseconds());
     located.layers = locator.layers().to_vec();
@@ -235,7 +263,7 @@ fn of_shot<'a>(
 
 impl<'a> Located<'a> {
     /// With the verdicts on walls, if the pose is sure.
-    fn new(placed: Placed<'_, 'a>, floors: &[SiteFloor<'_>], options: &Options) -> Self {
+    fn new(placed: Placed<'_, 'a>, floors: &[SiteFloor<'_>], options: &Options<'_>) -> Self {
         let Placed { up, mut seen, fix } = placed;
         let walls = if options.is_sure(&fix) { walls(&fix, &mut seen, floors) } else { Walls::default() };
         Self { up, fix, walls, layers: Vec::new(), fault: None }
@@ -259,10 +287,11 @@ fn walls(fix: &Fix<'_>, seen: &mut Seen<'_, '_>, floors: &[SiteFloor<'_>]) -> Wa
 }
 
 /// A pose in the JSON result, with its floor where there are several.
-fn pose<'a>(scored: &ScoredPose, layers: &[FloorLayer<'a>]) -> Pose<'a> {
+fn pose<'a>(scored: &ScoredPose, spread: &Covariance, layers: &[FloorLayer<'a>]) -> Pose<'a> {
     let several = layers.iter().any(|layer| layer.floor > 0);
     let layer = layers.get(usize::from(scored.layer));
-    pose_of(scored, layer.map(|layer| layer.name).filter(|_| several))
+    let pose = pose_of(scored, layer.map(|layer| layer.name).filter(|_| several));
+    Pose { covariance: Some(covariance(spread)), ..pose }
 }
 
 /// A scored pose in the JSON result, with its floor where there are several.
@@ -273,11 +302,15 @@ pub(in crate::cli) fn pose_of<'a>(scored: &ScoredPose, floor: Option<&'a str>) -
         y: Decimal(scored.at.y.to_num()),
         heading_deg: Decimal(f64::from(scored.heading.to_microdegrees()) / 1e6),
         score: Decimal(scored.score.to_num()),
+        covariance: None,
     }
 }
 
-fn summary(output: &Output<'_>) -> String {
+fn summary(output: &Output<'_>, spread: Option<Covariance>, place: &PlaceArgs) -> String {
     let mut text = String::new();
+    if let Some(told) = place.words() {
+        let _ = writeln!(text, "searched {told}");
+    }
     for (rank, pose) in output.candidates.iter().enumerate() {
         let floor = pose.floor.map_or_else(String::new, |name| format!("{name}  "));
         let _ = writeln!(
@@ -296,6 +329,14 @@ fn summary(output: &Output<'_>) -> String {
         "probability {:.2}, margin {:.1} nats, {layer} fits best, camera {:.2} m above the floor",
         probability.0, margin.0, camera_height_m.0
     );
+    if let Some(spread) = spread {
+        let _ = writeln!(
+            text,
+            "standard deviation at most {:.2} m and {:.1} degrees, if right",
+            spread.position_m(),
+            spread.heading_rad().to_degrees()
+        );
+    }
     if let (Some(metres), Some(degrees)) = (output.position_error_m, output.heading_error_deg) {
         let _ = writeln!(text, "{:.2} m and {:.1} degrees off", metres.0, degrees.0);
     }

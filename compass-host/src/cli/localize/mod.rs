@@ -74,8 +74,12 @@ impl Localize {
                 }
             },
         };
-        let options =
-            Options { settings: self.settings.into(), truth, least_probability: self.min_probability };
+        let options = Options {
+            settings: self.settings.into(),
+            place: &self.cameras.place,
+            truth,
+            least_probability: self.min_probability,
+        };
         from_frames::run(&self.map, &input, &options, &self.json)
     }
 }

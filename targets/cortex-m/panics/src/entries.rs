@@ -274,10 +274,10 @@ fn search(
     rows: &Rows<HEADINGS>,
     heights: &pose::heights::HeightGrid,
     layers: &[FloorLayer<'_>],
-    among: &dyn Fn(u8, usize) -> bool,
+    within: &pose::PosePrior,
     pool: &mut [PoolEntry],
 ) -> usize {
-    pose::search(rows, heights, layers, among, pool)
+    pose::search(rows, heights, layers, within, pool)
 }
 
 struct Bytes<'a>(&'a mut dyn FnMut(&[u8]) -> bool);
