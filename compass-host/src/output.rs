@@ -46,15 +46,30 @@ pub struct Decimal(pub f64);
 
 impl Serialize for Decimal {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        if !self.0.is_finite() {
-            return serializer.serialize_none();
-        }
-        let text = format!("{:.6}", self.0);
-        let text = text.trim_end_matches('0').trim_end_matches('.');
-        let text = if text == "-0" { "0" } else { text };
-        let raw = serde_json::value::RawValue::from_string(text.to_owned());
-        raw.map_err(serde::ser::Error::custom)?.serialize(serializer)
+        plain(self.0, 6, serializer)
     }
+}
+
+/// An entry of a covariance in the JSON output: as [`Decimal`], with at most ten places, because half a degree squared is 0.00008.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Variance(pub f64);
+
+impl Serialize for Variance {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        plain(self.0, 10, serializer)
+    }
+}
+
+/// A number with at most `places` behind the point.
+fn plain<S: Serializer>(value: f64, places: usize, serializer: S) -> Result<S::Ok, S::Error> {
+    if !value.is_finite() {
+        return serializer.serialize_none();
+    }
+    let text = format!("{value:.places$}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    let text = if text == "-0" { "0" } else { text };
+    let raw = serde_json::value::RawValue::from_string(text.to_owned());
+    raw.map_err(serde::ser::Error::custom)?.serialize(serializer)
 }
 
 /// A whole array of [`Decimal`]s.

@@ -1,10 +1,9 @@
 //! Poses and times in the JSON results.
 
-use compass_core::Covariance;
 use compass_core::descriptor::matching::Match;
 use compass_core::map::site_map::SiteMap;
 use compass_host::clock::Clock;
-use compass_host::output::Decimal;
+use compass_host::output::{Decimal, Variance};
 use compass_host::site::wrapped;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -21,12 +20,12 @@ pub(super) struct Pose<'a> {
     pub(super) score: Decimal,
     /// Of x, y and heading: m2, m rad and rad2.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) covariance: Option<[[Decimal; 3]; 3]>,
+    pub(super) covariance: Option<[[Variance; 3]; 3]>,
 }
 
 /// A covariance in the JSON result.
-pub(super) fn covariance(covariance: &Covariance) -> [[Decimal; 3]; 3] {
-    covariance.rows().map(|row| row.map(|value| Decimal(f64::from(value))))
+pub(super) fn covariance(rows: [[f32; 3]; 3]) -> [[Variance; 3]; 3] {
+    rows.map(|row| row.map(|value| Variance(f64::from(value))))
 }
 
 impl<'a> Pose<'a> {

@@ -1,9 +1,10 @@
 //! The result of an evaluation as text and as JSON.
 
+use crate::cli::pose::covariance;
 use compass_host::dataset::faults::{Fault, Faults, Item};
 use compass_host::evaluate::judged::JudgedFrame;
 use compass_host::evaluate::{Coverage, Found, Misses, Row};
-use compass_host::output::Decimal;
+use compass_host::output::{Decimal, Variance};
 use compass_host::site_file::SiteFloor;
 use compass_host::wall_check::WallSummary;
 use serde::Serialize;
@@ -86,7 +87,7 @@ pub(super) struct Frame<'a> {
     pub(super) single: Option<Placed<'a>>,
     /// Covariance of x, y and heading of the single frame's pose, if it is right: m2, m rad and rad2.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) covariance: Option<[[Decimal; 3]; 3]>,
+    pub(super) covariance: Option<[[Variance; 3]; 3]>,
     pub(super) track: Option<Tracked<'a>>,
     pub(super) oracle: Option<Placed<'a>>,
     pub(super) paper_plain: Option<Placed<'a>>,
@@ -115,10 +116,7 @@ impl<'a> Frame<'a> {
             lead: Decimal(frame.record.lead()),
             probability: Decimal(f64::from(frame.record.probability())),
             single: placed(single.first(), 0),
-            covariance: frame
-                .record
-                .covariance
-                .map(|rows| rows.map(|row| row.map(|v| Decimal(f64::from(v))))),
+            covariance: frame.record.covariance.map(covariance),
             track: placed(frame.track.as_ref(), 1).zip(frame.estimate).map(|(placed, estimate)| Tracked {
                 placed,
                 probability: Decimal(f64::from(estimate.probability)),

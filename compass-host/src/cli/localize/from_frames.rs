@@ -15,7 +15,7 @@ use compass_host::clock::Clock;
 use compass_host::doubt;
 use compass_host::input;
 use compass_host::locator::{Locator, NoPlan, SeeError, Seen};
-use compass_host::output::Decimal;
+use compass_host::output::{Decimal, Variance};
 use compass_host::site_file::{SiteFile, SiteFloor};
 use compass_host::up_by_plan::{Placed, locate_by_plan};
 use compass_host::wall_check::{WallSummary, Walls};
@@ -46,7 +46,7 @@ struct Output<'a> {
     /// Probability that the pose is within 1 m of the true one.
     probability: Decimal,
     /// Of x, y and heading, if the pose is right: m2, m rad and rad2.
-    covariance: Option<[[Decimal; 3]; 3]>,
+    covariance: Option<[[Variance; 3]; 3]>,
     /// What was told of the pose, which restricted the search.
     #[serde(skip_serializing_if = "Option::is_none")]
     prior: Option<PriorOutput>,
@@ -291,7 +291,7 @@ fn pose<'a>(scored: &ScoredPose, spread: &Covariance, layers: &[FloorLayer<'a>])
     let several = layers.iter().any(|layer| layer.floor > 0);
     let layer = layers.get(usize::from(scored.layer));
     let pose = pose_of(scored, layer.map(|layer| layer.name).filter(|_| several));
-    Pose { covariance: Some(covariance(spread)), ..pose }
+    Pose { covariance: Some(covariance(spread.rows())), ..pose }
 }
 
 /// A scored pose in the JSON result, with its floor where there are several.
