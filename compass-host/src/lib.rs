@@ -57,11 +57,13 @@
 //! | [`compare`], [`plan_descriptor`] | the core against the float reference, descriptors of places |
 //! | [`figures`], [`report`] | pictures and pages |
 //! | [`evaluate`] | recordings against the truth |
+//! | `ros` | the ROS 2 node |
 //! | [`fit`] | constants fitted to what is known to be right |
 //!
 //! # Features
 //!
 //! - `bag` (default): ROS 2 bags as recordings; needs a C compiler.
+//! - `ros2`: the ROS 2 node, `compass node`.
 //! - `cli` (default): the `compass` command. The library itself neither prints nor parses arguments.
 
 pub mod calibration;
@@ -94,6 +96,8 @@ pub mod plan_import;
 pub mod progress;
 pub mod reference;
 pub mod report;
+#[cfg(feature = "ros2")]
+pub mod ros;
 pub mod sample;
 pub mod simulate;
 pub mod site;

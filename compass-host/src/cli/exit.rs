@@ -56,9 +56,26 @@ impl From<&anyhow::Error> for Status {
     }
 }
 
+/// Set instead of ending the process, once somebody [asked](stop_when_interrupted) for it.
+#[cfg(feature = "ros2")]
+static STOP: std::sync::OnceLock<std::sync::atomic::AtomicBool> = std::sync::OnceLock::new();
+
+/// From now on an interruption sets this, and does not end the process.
+#[cfg(feature = "ros2")]
+pub(super) fn stop_when_interrupted() -> &'static std::sync::atomic::AtomicBool {
+    STOP.get_or_init(|| std::sync::atomic::AtomicBool::new(false))
+}
+
 /// Removes temporary files before the process ends because of Ctrl-C or because the system asks it to.
 pub(super) fn clean_up_when_interrupted() {
     let handled = ctrlc::set_handler(|| {
+        #[cfg(feature = "ros2")]
+        if let Some(stop) = STOP.get() {
+            // Asked twice, it ends at once.
+            if !stop.swap(true, std::sync::atomic::Ordering::Relaxed) {
+                return;
+            }
+        }
         temporary::remove_all();
         std::process::exit(Status::Interrupted as i32);
     });

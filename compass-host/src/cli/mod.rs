@@ -14,6 +14,8 @@ mod heights;
 mod json;
 mod localize;
 mod map;
+#[cfg(feature = "ros2")]
+mod node;
 mod notes;
 mod pack;
 mod pictures;
@@ -79,6 +81,9 @@ enum Command {
     See(see::See),
     /// Render the frames of two fisheye cameras from a plan
     Simulate(simulate::Simulate),
+    /// Run as a ROS 2 node: frames on topics become poses on topics
+    #[cfg(feature = "ros2")]
+    Node(node::Node),
 }
 
 impl Cli {
@@ -101,12 +106,32 @@ impl Cli {
             Command::Gravity(command) => command.run(),
             Command::See(command) => command.run(),
             Command::Simulate(command) => command.run(),
+            #[cfg(feature = "ros2")]
+            Command::Node(command) => command.run(),
         }
     }
+}
+
+/// The command line; a wrong one ends the process.
+#[cfg(not(feature = "ros2"))]
+#[expect(clippy::unnecessary_wraps, reason = "with ROS arguments it may fail")]
+fn parse() -> anyhow::Result<Cli> {
+    Ok(Cli::parse())
+}
+
+/// The command line, in which arguments of ROS are options; a wrong one ends the process.
+#[cfg(feature = "ros2")]
+fn parse() -> anyhow::Result<Cli> {
+    let arguments = std::env::args_os();
+    if !std::env::args_os().any(|argument| argument == "--ros-args") {
+        return Ok(Cli::parse_from(arguments));
+    }
+    let arguments = arguments.map(|argument| argument.to_string_lossy().into_owned());
+    Ok(Cli::parse_from(node::from_ros(arguments)?))
 }
 
 /// Runs the command line of the process.
 pub(crate) fn main() -> ExitCode {
     exit::clean_up_when_interrupted();
-    exit::code(Cli::parse().run())
+    exit::code(parse().and_then(|cli| cli.run()))
 }

@@ -1,7 +1,7 @@
 //! Recordings, their trajectories and their IMU readings.
 
 #[cfg(feature = "bag")]
-mod bag;
+pub(crate) mod bag;
 mod error;
 mod euroc;
 pub mod faults;

@@ -2,6 +2,8 @@
 
 use super::encoding::Encoded;
 use super::kind::Kind;
+#[cfg(feature = "ros2")]
+use crate::frame::Frame;
 use crate::image_file::{self, Pixels};
 use crate::input::{self, limits};
 use byteorder::{BigEndian, LittleEndian};
@@ -119,6 +121,24 @@ pub(super) fn pixels(kind: Kind, message: &[u8]) -> Result<Pixels, String> {
 
 /// Formats of video that some drivers put into messages for images.
 const VIDEO: [&str; 5] = ["h264", "h265", "hevc", "vp9", "av1"];
+
+/// The frame of a `CompressedImage`.
+#[cfg(feature = "ros2")]
+pub(crate) fn compressed_frame(format: &str, data: &[u8]) -> Result<Frame, String> {
+    compressed(format, data).map(Frame::from)
+}
+
+/// The frame of an `Image`.
+#[cfg(feature = "ros2")]
+pub(crate) fn raw_frame(
+    size: (u32, u32),
+    encoding: &str,
+    is_bigendian: bool,
+    step: u32,
+    data: &[u8],
+) -> Result<Frame, String> {
+    raw(size, encoding, is_bigendian, step, data).map(Frame::from)
+}
 
 fn compressed(format: &str, data: &[u8]) -> Result<Pixels, String> {
     image_file::decode(data, limits().frame_pixels).map_err(|error| {

@@ -28,6 +28,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 pub(super) use contents::{Contents, Message};
+#[cfg(feature = "ros2")]
+pub(crate) use message::{compressed_frame, raw_frame};
 
 /// Whether a path is a bag: a file of one, or a folder with some or with metadata.
 pub(super) fn is_one(path: &Path) -> bool {
