@@ -215,6 +215,10 @@ fn bad_input_is_refused() {
         (format!("{LOCALIZE} {options} --at 1,1"), "--heading"),
         (format!("{LOCALIZE} {options} --from-plan sample.png --at 1,1 --heading 0"), "--from-plan"),
         ("localize --map sample.site --from-plan sample.png".into(), "--at"),
+        (
+            "localize --map sample.site --from-plan sample.png --at 4,17 --heading 0 --near 4,17,2".into(),
+            "--near",
+        ),
     ] {
         let ran = folder.run(&line);
         assert_eq!((ran.status, ran.stdout.as_str()), (Some(2), ""), "{line}");

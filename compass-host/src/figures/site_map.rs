@@ -70,7 +70,7 @@ impl SiteMapPicture<'_> {
     fn legend(&self) -> Vec<Entry> {
         let candidates = format!("candidates ({})", self.candidates.len());
         let mut entries = Vec::new();
-        if self.scores.is_none() {
+        if self.scores.is_none() && !self.candidates.is_empty() {
             entries.push(Entry::new(Symbol::Dot(MUTED), candidates));
         }
         if self.truth.is_some() {
@@ -98,6 +98,7 @@ impl SiteMapPicture<'_> {
                     number((turn.min(360.0 - turn) * 10.0).round() / 10.0)
                 )
             }
+            (None, Some(_)) if count == 0 => "The pose found on the plan".to_owned(),
             _ => format!("Site map with {count} candidates"),
         }
     }

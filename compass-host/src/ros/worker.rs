@@ -228,7 +228,8 @@ impl<'a, 'o> Worker<'a, 'o> {
             match ups.and_then(|ups| locate_by_plan(segmented, &ups, options.heights, &options.place)) {
                 Ok(placed) => placed,
                 Err(error) => {
-                    (report.level, report.probability) = (Level::Warning, 0.0);
+                    let level = if error.is_answer() { Level::Warning } else { Level::Error };
+                    (report.level, report.probability) = (level, 0.0);
                     report.message = reason(error.to_string(), doubt::of_frames(frames));
                     return Ok(());
                 }

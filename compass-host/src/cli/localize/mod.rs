@@ -63,6 +63,9 @@ impl Localize {
     pub(super) fn run(&self) -> Result<Outcome> {
         self.json.check()?;
         let truth = self.at.zip(self.heading);
+        if self.query.from_plan.is_some() && self.cameras.place.words().is_some() {
+            bail!("--near, --heading-near and --floor restrict the search for frames: not with --from-plan");
+        }
         let input = match (&self.query.from_plan, truth) {
             (Some(plan), Some(truth)) => return self.query.run(&self.map, plan, truth, &self.json),
             (Some(_), None) => bail!("no pose on the plan: give --at X,Y and --heading DEG"),
