@@ -4,11 +4,14 @@
 //! answered are dropped and counted.
 
 pub mod answer;
+mod error;
 pub mod messages;
 mod node;
 mod options;
+mod outputs;
 pub mod pairing;
 mod worker;
 
-pub use node::{NodeError, run};
+pub use error::NodeError;
+pub use node::run;
 pub use options::Options;

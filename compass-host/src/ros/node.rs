@@ -1,24 +1,22 @@
 //! The node: topics in, topics out.
 
-use super::messages::{
-    CompressedImage, DiagnosticArray, Image, Odometry, PoseArray, PoseWithCovarianceStamped, Transforms,
-    TriggerRequest, TriggerResponse,
-};
+use super::error::{NodeError, failed};
+use super::messages::{CompressedImage, Image, Odometry, TriggerRequest, TriggerResponse};
 use super::options::Options;
+use super::outputs::outputs;
 use super::pairing::Pairing;
 use super::worker::{Job, Picture, Slot, Worker};
 use crate::calibration::Calibration;
 use crate::site_file::SiteFloor;
 use ros2_client::dds::rustdds::mio1::{Events, Interest, Poll, Token};
-use ros2_client::qos::{Durability, History, WhenFull};
+use ros2_client::qos::History;
 use ros2_client::{
-    Context, ContextOptions, Message, MessageTypeName, Name, Node, NodeName, NodeOptions, Publisher,
-    QosProfile, Server, ServiceMapping, ServiceTypeName, Subscription,
+    Context, ContextOptions, Message, MessageTypeName, Name, Node, NodeName, NodeOptions, QosProfile, Server,
+    ServiceMapping, ServiceTypeName, Subscription,
 };
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
-use thiserror::Error;
 
 /// How often the node looks whether it shall end.
 const TICK: Duration = Duration::from_millis(100);
@@ -27,58 +25,8 @@ const SILENCE: Duration = Duration::from_secs(5);
 /// Odometry that is remembered.
 const ODOMETRY: usize = 256;
 
-/// Why a node cannot run.
-#[derive(Debug, Error)]
-#[error("{what}: {why}")]
-pub struct NodeError {
-    what: String,
-    why: String,
-}
-
-fn failed(what: impl Into<String>, why: impl Into<String>) -> NodeError {
-    NodeError { what: what.into(), why: why.into() }
-}
-
 impl Message for TriggerRequest {}
 impl Message for TriggerResponse {}
-
-/// Where answers go.
-pub(super) struct Outputs {
-    pose: Publisher<PoseWithCovarianceStamped>,
-    initial: Publisher<PoseWithCovarianceStamped>,
-    candidates: Publisher<PoseArray>,
-    transforms: Publisher<Transforms>,
-    diagnostics: Publisher<DiagnosticArray>,
-}
-
-impl std::fmt::Debug for Outputs {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Outputs").finish_non_exhaustive()
-    }
-}
-
-impl Outputs {
-    // A message that nobody takes is lost, as any in ROS: there is nothing to be done about it here.
-    pub(super) fn pose(&self, message: PoseWithCovarianceStamped) {
-        let _ = self.pose.publish(message);
-    }
-
-    pub(super) fn initial_pose(&self, message: PoseWithCovarianceStamped) {
-        let _ = self.initial.publish(message);
-    }
-
-    pub(super) fn candidates(&self, message: PoseArray) {
-        let _ = self.candidates.publish(message);
-    }
-
-    pub(super) fn transform(&self, message: Transforms) {
-        let _ = self.transforms.publish(message);
-    }
-
-    pub(super) fn diagnosis(&self, message: DiagnosticArray) {
-        let _ = self.diagnostics.publish(message);
-    }
-}
 
 /// A camera's topic, of either type.
 enum Camera {
@@ -137,36 +85,6 @@ pub fn run(
         slot.end();
         let ended = working.join();
         heard.and(ended.map_err(|_| failed("the localization", "it ended by a defect of its own")))
-    })
-}
-
-fn publisher<M: serde::Serialize>(
-    node: &mut Node,
-    name: &str,
-    kind: (&str, &str),
-    qos: &QosProfile,
-) -> Result<Publisher<M>, NodeError> {
-    let of = || Some(node.create_topic(&Name::parse(name).ok()?, MessageTypeName::new(kind.0, kind.1), qos));
-    let topic = of()
-        .ok_or_else(|| failed(name, "no name of a topic"))?
-        .map_err(|error| failed(name, format!("{error:?}")))?;
-    node.create_publisher(&topic, None).map_err(|error| failed(name, format!("{error:?}")))
-}
-
-fn outputs(node: &mut Node) -> Result<Outputs, NodeError> {
-    let reliable = QosProfile::publisher_default()
-        .reliability_reliable(WhenFull::DEFAULT)
-        .history(History::KeepLast { depth: 10 });
-    // Who comes later hears it too, as navigation expects of an initial pose.
-    let kept = reliable.clone().durability(Durability::TransientLocal);
-    let own = |topic: &str| format!("{}/{topic}", node.fully_qualified_name());
-    let (pose, candidates) = (own("pose"), own("candidates"));
-    Ok(Outputs {
-        pose: publisher(node, &pose, ("geometry_msgs", "PoseWithCovarianceStamped"), &reliable)?,
-        initial: publisher(node, "/initialpose", ("geometry_msgs", "PoseWithCovarianceStamped"), &kept)?,
-        candidates: publisher(node, &candidates, ("geometry_msgs", "PoseArray"), &reliable)?,
-        transforms: publisher(node, "/tf", ("tf2_msgs", "TFMessage"), &reliable)?,
-        diagnostics: publisher(node, "/diagnostics", ("diagnostic_msgs", "DiagnosticArray"), &reliable)?,
     })
 }
 

@@ -2,8 +2,8 @@
 
 use super::answer::{Level, candidates_message, diagnosis, map_to_odom, pose_message};
 use super::messages::{CompressedImage, Header, Image, Odometry, Time};
-use super::node::Outputs;
 use super::options::Options;
+use super::outputs::Outputs;
 use crate::calibration::Calibration;
 use crate::dataset::bag::{compressed_frame, raw_frame};
 use crate::doubt;
