@@ -82,6 +82,15 @@ pub fn of_maps(floors: &[SiteFloor<'_>]) -> Option<String> {
     })
 }
 
+/// A reason with what else is wrong.
+#[must_use]
+pub fn with_fault(reason: String, fault: Option<String>) -> String {
+    match fault {
+        Some(fault) => format!("{reason}; {fault}"),
+        None => reason,
+    }
+}
+
 /// Why the likeliest pose does not reach a probability.
 #[must_use]
 pub fn of_fix(fix: &Fix<'_>, least_probability: f64) -> String {

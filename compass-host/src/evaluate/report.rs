@@ -5,10 +5,9 @@ use super::frame_errors::FrameErrors;
 use super::largest_errors;
 use super::row::Row;
 use crate::dataset::faults::{Fault, Faults};
-use crate::figures::{self, ErrorCurve, ErrorSeries, Fix, PlanPicture, TrajectoryPicture};
+use crate::figures::{self, ErrorCurve, ErrorSeries, Fix, TrajectoryPicture};
 use crate::report::{Picture, Section, Table, write_html};
 use crate::wall_check::Walls;
-use compass_core::base::scan::Hit;
 use compass_core::map::plan::Plan;
 use std::path::Path;
 
@@ -59,7 +58,9 @@ pub fn write(dir: &Path, data: &ReportData<'_>) -> Result<()> {
     let pairs = data.frames.iter().zip(data.right);
     let answers: Vec<_> = pairs.filter_map(|(frame, right)| Some((frame.margin, (*right)?))).collect();
     figures::draw_reliability(&dir.join("reliability.png"), &answers)?;
-    with_plan(&data.plan, |plan| figures::draw_wall_check(&dir.join("walls.png"), plan, data.walls))?;
+    figures::with_packed_plan(&data.plan, |plan| {
+        figures::draw_wall_check(&dir.join("walls.png"), plan, data.walls)
+    })?;
     Ok(write_html(&dir.join("report.html"), data.title, &sections(data))?)
 }
 
@@ -74,22 +75,8 @@ fn draw_plan(path: &Path, data: &ReportData<'_>) -> Result<()> {
         .collect();
     let caption = format!("{} frames: where they were and where they were found", data.frames.len());
     let picture = TrajectoryPicture { caption: &caption, truth: &truth, fixes: &fixes, track: &pieces };
-    with_plan(&data.plan, |plan| figures::draw_trajectory(path, plan, &picture))?;
+    figures::with_packed_plan(&data.plan, |plan| figures::draw_trajectory(path, plan, &picture))?;
     Ok(())
-}
-
-/// Calls `draw` with a packed plan in the form that the figures take.
-fn with_plan<T>(plan: &Plan<'_>, draw: impl FnOnce(&PlanPicture<'_>) -> T) -> T {
-    let is = |x: u32, y: u32, hit: Hit| plan.hit_at(plan.cell_centre(x as u16, y as u16)) == Some(hit);
-    let grid = plan.grid();
-    draw(&PlanPicture {
-        width: plan.width(),
-        height: plan.height(),
-        resolution_m: f64::from(grid.resolution_nm) / 1e9,
-        origin: [grid.origin.x.to_num(), grid.origin.y.to_num()],
-        is_wall: &|x, y| is(x, y, Hit::Wall),
-        is_window: &|x, y| is(x, y, Hit::Window),
-    })
 }
 
 fn draw_distribution(path: &Path, data: &ReportData<'_>) -> Result<()> {

@@ -36,7 +36,7 @@ pub use errors::{ErrorSeries, draw_error_cdf};
 pub use hits::{HitComparison, draw_hits_linear, draw_hits_polar};
 pub use overlay::{Layer, draw_overlay};
 pub use panorama::{PanoramaPicture, draw_panorama};
-pub use plan::PlanPicture;
+pub use plan::{PlanPicture, with_packed_plan};
 pub use plan_survey::{PlanSurveyPicture, Property, draw_plan_survey};
 pub use polar::draw_polar;
 pub use profile::draw_profile;

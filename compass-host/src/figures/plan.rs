@@ -6,6 +6,8 @@ use super::axes::{ABOVE, Axes, Axis, BELOW, BESIDE};
 use super::canvas::{Canvas, Rect};
 use super::error::{DrawError, Drawn};
 use super::style::{PLAN_WALL, WINDOW};
+use compass_core::base::scan::Hit;
+use compass_core::map::plan::Plan;
 use plotters::style::RGBColor;
 
 /// Tallest plot of a plan in pixels.
@@ -36,6 +38,20 @@ impl fmt::Debug for PlanPicture<'_> {
             .field("origin", &self.origin)
             .finish_non_exhaustive()
     }
+}
+
+/// Calls `draw` with a packed plan in the form that the figures take.
+pub fn with_packed_plan<T>(plan: &Plan<'_>, draw: impl FnOnce(&PlanPicture<'_>) -> T) -> T {
+    let is = |x: u32, y: u32, hit: Hit| plan.hit_at(plan.cell_centre(x as u16, y as u16)) == Some(hit);
+    let grid = plan.grid();
+    draw(&PlanPicture {
+        width: plan.width(),
+        height: plan.height(),
+        resolution_m: f64::from(grid.resolution_nm) / 1e9,
+        origin: [grid.origin.x.to_num(), grid.origin.y.to_num()],
+        is_wall: &|x, y| is(x, y, Hit::Wall),
+        is_window: &|x, y| is(x, y, Hit::Window),
+    })
 }
 
 /// A rectangle of the map in metres.

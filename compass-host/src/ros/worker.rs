@@ -230,7 +230,7 @@ impl<'a, 'o> Worker<'a, 'o> {
                 Err(error) => {
                     let level = if error.is_answer() { Level::Warning } else { Level::Error };
                     (report.level, report.probability) = (level, 0.0);
-                    report.message = reason(error.to_string(), doubt::of_frames(frames));
+                    report.message = doubt::with_fault(error.to_string(), doubt::of_frames(frames));
                     return Ok(());
                 }
             };
@@ -247,7 +247,8 @@ impl<'a, 'o> Worker<'a, 'o> {
             .filter(|_| f64::from(fix.probability()) >= options.min_probability);
         let Some((best, covariance)) = said else {
             report.level = Level::Warning;
-            report.message = reason(doubt::of_fix(&fix, options.min_probability), doubt::of_frames(frames));
+            report.message =
+                doubt::with_fault(doubt::of_fix(&fix, options.min_probability), doubt::of_frames(frames));
             return Ok(());
         };
         (report.level, report.said) = (Level::Good, report.said + 1);
@@ -321,13 +322,6 @@ fn since(before: Option<&(u64, Option<Odometry>)>, job: &Job) -> (f32, Option<Mo
     let finite =
         |motion: &Motion| [motion.forward_m, motion.left_m, motion.turn].iter().all(|v| v.is_finite());
     (seconds as f32, motion.filter(finite))
-}
-
-fn reason(text: String, fault: Option<String>) -> String {
-    match fault {
-        Some(fault) => format!("{text}; {fault}"),
-        None => text,
-    }
 }
 
 #[cfg(test)]

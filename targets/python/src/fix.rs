@@ -173,9 +173,7 @@ impl Fix {
     }
 
     pub(crate) fn add_reason(&mut self, fault: Option<String>) {
-        if let (Some(reason), Some(fault)) = (&mut self.reason, fault) {
-            let _ = write!(reason, "; {fault}");
-        }
+        self.reason = self.reason.take().map(|reason| doubt::with_fault(reason, fault));
     }
 
     fn best(&self) -> Option<&Pose> {
@@ -235,7 +233,7 @@ impl Fix {
 
     /// Whether the probability reaches the one asked for.
     #[getter]
-    fn is_sure(&self) -> bool {
+    pub(crate) fn is_sure(&self) -> bool {
         self.sure
     }
 

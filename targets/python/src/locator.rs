@@ -199,8 +199,10 @@ impl Locator {
         let layers = locator.layers();
         let estimate = estimate.map(|estimate| Estimate::new(&estimate, layers));
         let mut answer = Fix::new(Arc::clone(&self.site), &fix, up, layers, question.least, estimate);
-        answer.add_reason(doubt::of_maps(&floors));
-        answer.add_reason(doubt::of_frames(frames));
+        if !answer.is_sure() {
+            answer.add_reason(doubt::of_maps(&floors));
+            answer.add_reason(doubt::of_frames(frames));
+        }
         Ok(answer)
     }
 }

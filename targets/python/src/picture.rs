@@ -5,8 +5,7 @@ use crate::fix::Pose;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use compass_host::SiteFile;
-use compass_host::compass_core::base::scan::Hit;
-use compass_host::figures::{MapPose, PlanPicture, SiteMapPicture, draw_site_map};
+use compass_host::figures::{MapPose, SiteMapPicture, draw_site_map, with_packed_plan};
 use pyo3::PyResult;
 
 /// The picture as PNG in base64: the best pose, and its alternatives on the same floor.
@@ -27,19 +26,9 @@ pub(crate) fn of_poses(site: &SiteFile, floor: u8, poses: &[Pose]) -> PyResult<S
     let alternatives: Vec<MapPose> = here.collect();
     let picture =
         SiteMapPicture { candidates: &[], scores: None, truth: None, found, alternatives: &alternatives };
-    let is = |x: u32, y: u32, hit: Hit| plan.hit_at(plan.cell_centre(x as u16, y as u16)) == Some(hit);
-    let grid = plan.grid();
-    let backdrop = PlanPicture {
-        width: plan.width(),
-        height: plan.height(),
-        resolution_m: f64::from(grid.resolution_nm) / 1e9,
-        origin: [grid.origin.x.to_num(), grid.origin.y.to_num()],
-        is_wall: &|x, y| is(x, y, Hit::Wall),
-        is_window: &|x, y| is(x, y, Hit::Window),
-    };
     let folder = tempfile::tempdir().map_err(wrong)?;
     let path = folder.path().join("poses.png");
-    draw_site_map(&path, &backdrop, &picture).map_err(wrong)?;
+    with_packed_plan(&plan, |plan| draw_site_map(&path, plan, &picture)).map_err(wrong)?;
     Ok(STANDARD.encode(std::fs::read(&path).map_err(wrong)?))
 }
 

@@ -23,8 +23,8 @@ pub(crate) struct Plan {
     pub(crate) name: String,
     pub(crate) raster: Arc<PlanRaster>,
     pub(crate) packed: Arc<PackedPlan>,
-    /// The plan without what is thin, if it can be told; `None` says why not.
-    structure: Result<Option<Arc<PackedPlan>>, String>,
+    /// The plan without what is thin, where that can be told and is not all of it.
+    structure: Option<PackedPlan>,
     /// What a user should know of the file.
     #[pyo3(get)]
     notes: Vec<String>,
@@ -90,20 +90,16 @@ impl Plan {
         notes: Vec<String>,
     ) -> Result<Self, String> {
         let packed = PackedPlan::new(&raster).map_err(|error| error.to_string())?;
-        let structure = match structure {
-            Err(error) => Err(error.to_string()),
-            Ok(kept) => {
-                let kept = PackedPlan::new(&kept).map_err(|error| error.to_string())?;
-                // A second layer that is the first one says nothing.
-                Ok((kept.as_bytes() != packed.as_bytes()).then(|| Arc::new(kept)))
-            }
-        };
+        let kept = structure.ok().map(|kept| PackedPlan::new(&kept)).transpose();
+        // A second layer that is the first one says nothing.
+        let structure =
+            kept.map_err(|error| error.to_string())?.filter(|kept| kept.as_bytes() != packed.as_bytes());
         Ok(Self { name, raster: Arc::new(raster), packed: Arc::new(packed), structure, notes })
     }
 
     /// The second layer of a site.
     pub(crate) fn structure(&self) -> Option<&PackedPlan> {
-        self.structure.as_ref().ok()?.as_deref()
+        self.structure.as_ref()
     }
 
     fn at(&self, x: f64, y: f64, heading: f64) -> PyResult<Scan> {

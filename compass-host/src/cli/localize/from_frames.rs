@@ -144,8 +144,8 @@ pub(super) fn run(
     let probability = f64::from(fix.probability());
     let best = poses.first().copied().zip(fix.best()).filter(|_| options.is_sure(&fix));
     let Some((best, scored)) = best else {
-        let reason = with_fault(doubt::of_fix(&fix, options.least_probability), coarse);
-        let reason = with_fault(reason, fault);
+        let reason = doubt::with_fault(doubt::of_fix(&fix, options.least_probability), coarse);
+        let reason = doubt::with_fault(reason, fault);
         return unsure(probability, reason, options, poses, json);
     };
     if let Some(coarse) = coarse {
@@ -192,14 +192,6 @@ fn unsure(
     Ok(Outcome::No)
 }
 
-/// A reason with what else is wrong.
-fn with_fault(reason: String, fault: Option<String>) -> String {
-    match fault {
-        Some(fault) => format!("{reason}; {fault}"),
-        None => reason,
-    }
-}
-
 fn of_images<'a>(
     map: &Path,
     floors: &[SiteFloor<'a>],
@@ -222,7 +214,7 @@ fn of_images<'a>(
         Ok(placed) => Located::new(placed, floors, options),
         Err(error) if error.is_answer() => {
             let reason = format!("{}: {error}", cameras.name);
-            return Ok(Found::Nothing(with_fault(reason, doubt::of_frames(frames))));
+            return Ok(Found::Nothing(doubt::with_fault(reason, doubt::of_frames(frames))));
         }
         Err(error) => return Err(error).with_context(name),
     };
