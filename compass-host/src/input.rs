@@ -3,11 +3,14 @@
 //! Files come from strangers. A reader takes regular files alone, besides pipes that the shell opened, and no more of them than
 //! its [`Limits`]: bytes of a file, pixels of an image as its header says them, bytes of a message once it is unpacked. What is
 //! larger is refused by an error that names the limit, before memory is claimed for it.
+//!
+//! Where there is no file system, as in a browser, the program [lends](lend) files under their names.
 
+use std::collections::BTreeMap;
 use std::fs::{File, Metadata};
 use std::io::{self, Read};
-use std::path::{Component, Path};
-use std::sync::{PoisonError, RwLock};
+use std::path::{Component, Path, PathBuf};
+use std::sync::{Arc, PoisonError, RwLock};
 
 const MIB: u64 = 1 << 20;
 
@@ -82,6 +85,43 @@ pub fn set_limits(limits: Limits) {
     *LIMITS.write().unwrap_or_else(PoisonError::into_inner) = limits;
 }
 
+static LENT: RwLock<BTreeMap<PathBuf, Arc<[u8]>>> = RwLock::new(BTreeMap::new());
+
+/// Lends a file: from then on the readers of plans in images and drawings, calibrations, frames and sites find these bytes
+/// under this name, whatever the file system has there. Recordings are not read so.
+pub fn lend(path: impl Into<PathBuf>, bytes: impl Into<Arc<[u8]>>) {
+    LENT.write().unwrap_or_else(PoisonError::into_inner).insert(path.into(), bytes.into());
+}
+
+/// Takes back a file that was lent.
+pub fn take_back(path: &Path) {
+    LENT.write().unwrap_or_else(PoisonError::into_inner).remove(path);
+}
+
+fn lent(path: &Path) -> Option<Arc<[u8]>> {
+    LENT.read().unwrap_or_else(PoisonError::into_inner).get(path).map(Arc::clone)
+}
+
+/// Whether something has this name.
+pub(crate) fn exists(path: &Path) -> bool {
+    find(path).is_ok()
+}
+
+/// Finds something of this name.
+pub(crate) fn find(path: &Path) -> io::Result<()> {
+    if lent(path).is_some() { Ok(()) } else { std::fs::metadata(path).map(drop) }
+}
+
+/// The first bytes of a file, at most `most`.
+pub(crate) fn read_head(path: &Path, most: usize) -> io::Result<Vec<u8>> {
+    if let Some(bytes) = lent(path) {
+        return Ok(bytes[..most.min(bytes.len())].to_vec());
+    }
+    let mut head = Vec::new();
+    open(path)?.take(most as u64).read_to_end(&mut head)?;
+    Ok(head)
+}
+
 /// Opens a file: a regular one, or a pipe that the shell opened.
 pub(crate) fn open(path: &Path) -> io::Result<File> {
     // Before it is opened: a named pipe without a writer would block.
@@ -91,6 +131,10 @@ pub(crate) fn open(path: &Path) -> io::Result<File> {
 
 /// Reads a whole file of at most `limit` bytes.
 pub(crate) fn read(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
+    if let Some(bytes) = lent(path) {
+        let length = bytes.len() as u64;
+        return if length > limit { Err(too_large(length, limit)) } else { Ok(bytes.to_vec()) };
+    }
     let file = open(path)?;
     let length = file.metadata()?.len();
     if length > limit {
@@ -193,6 +237,20 @@ fn size(bytes: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_lent_file_is_found_under_its_name_until_it_is_taken_back() {
+        let path = Path::new("nowhere/lent.bin");
+        assert!(!exists(path) && read(path, 9).is_err());
+        lend(path, b"12345".as_slice());
+        assert!(exists(path) && find(path).is_ok());
+        assert_eq!(read(path, 5).unwrap(), b"12345");
+        assert_eq!(read_head(path, 2).unwrap(), b"12");
+        assert_eq!(read_head(path, 9).unwrap(), b"12345");
+        assert!(read(path, 4).unwrap_err().to_string().contains("more than the limit of 4 bytes"));
+        take_back(path);
+        assert!(!exists(path) && read(path, 9).is_err());
+    }
 
     #[test]
     fn files_are_read_up_to_their_limit() {

@@ -50,7 +50,7 @@
 //! | [`reference`](mod@reference) | the method once more, in plain floats |
 //! | [`calibration`], [`dual_image`], [`dataset`] | lenses and rigs; both lenses in one image; recordings, trajectories, IMU |
 //! | [`locator`], [`up`], [`localize`](mod@localize), [`doubt`] | from a pair of frames to a pose, or why there is none |
-//! | [`visual_descriptor`] | what a pair of frames shows |
+//! | [`visual_descriptor`], [`outline`] | what a pair of frames shows, and where in its images |
 //! | [`wall_check`] | which walls of a plan stand |
 //! | [`localizer`], [`noise`], [`paper_finder`], [`cross_modal`] | the paper's matching, and what it is tried with |
 //! | [`sample`], [`simulate`] | a sample building; frames rendered from a plan |
@@ -63,6 +63,8 @@
 //! # Features
 //!
 //! - `bag` (default): ROS 2 bags as recordings; needs a C compiler.
+//! - `figures` (default): pictures, and what draws them: [`figures`], [`report`], [`evaluate`].
+//! - `drawings` (default): plans in SVG and PDF. `cad` (default): in DXF and DWG.
 //! - `ros2`: the ROS 2 node, `compass node`.
 //! - `cli` (default): the `compass` command. The library itself neither prints nor parses arguments.
 
@@ -76,7 +78,9 @@ pub mod doubt;
 #[cfg_attr(not(all(feature = "cad", feature = "drawings")), allow(dead_code))]
 mod drawing;
 pub mod dual_image;
+#[cfg(feature = "figures")]
 pub mod evaluate;
+#[cfg(feature = "figures")]
 pub mod figures;
 pub mod fit;
 pub mod frame;
@@ -88,6 +92,7 @@ pub mod localize;
 pub mod localizer;
 pub mod locator;
 pub mod noise;
+pub mod outline;
 pub mod output;
 pub mod paper_finder;
 pub mod plan_descriptor;
@@ -95,6 +100,7 @@ pub mod plan_export;
 pub mod plan_import;
 pub mod progress;
 pub mod reference;
+#[cfg(feature = "figures")]
 pub mod report;
 #[cfg(feature = "ros2")]
 pub mod ros;

@@ -1,5 +1,6 @@
 //! The pipeline of `compass-core` with memory on the heap, the widest SIMD of the machine, and a timer per stage.
 
+use crate::clock::Moment;
 use crate::frame::Frame;
 use crate::site_file::SiteFloor;
 use crate::wide::wide;
@@ -12,7 +13,6 @@ use compass_core::vision::panorama::Resolution;
 use compass_core::vision::windows::{Edge, WindowBox, WindowEvidence, visit_edges};
 use compass_core::{LocateError, Settings};
 use std::collections::BTreeMap;
-use std::time::Instant;
 use thiserror::Error;
 
 /// Why the stages before the search failed.
@@ -216,7 +216,7 @@ wide! {
 /// Stage times, and on demand the window candidates.
 #[derive(Debug, Default)]
 pub struct Watch {
-    started: Option<Instant>,
+    started: Option<Moment>,
     milliseconds: [Option<f64>; STAGES.len()],
     /// Whether to keep the window candidates, to draw them.
     pub keeps_considered: bool,
@@ -269,11 +269,11 @@ impl Trace for Watch {
     const INLINED: bool = true;
 
     fn begin(&mut self, _: Stage) {
-        self.started = Some(Instant::now());
+        self.started = Some(Moment::now());
     }
 
     fn end(&mut self, stage: Stage, picture: Picture<'_>) {
-        let taken = self.started.take().map_or(0.0, |started| started.elapsed().as_secs_f64() * 1e3);
+        let taken = self.started.take().map_or(0.0, Moment::milliseconds);
         *self.milliseconds[index(stage)].get_or_insert(0.0) += taken;
         if let Picture::Windows { panorama, resolution, vertical_segments, boxes, .. } = picture
             && self.keeps_considered

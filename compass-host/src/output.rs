@@ -1,6 +1,8 @@
 //! Files that are written atomically, and the numbers of machine-readable results.
 
 use crate::temporary::Temporary;
+use compass_core::ScoredPose;
+use compass_core::base::num::Metres;
 use compass_core::map::site_map::Sink;
 use serde::{Serialize, Serializer};
 use std::borrow::Cow;
@@ -48,6 +50,13 @@ impl Serialize for Decimal {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         plain(self.0, 6, serializer)
     }
+}
+
+/// The bits of x, y and heading, and of the score, in hexadecimal: what is compared between targets.
+#[must_use]
+pub fn pose_bits(pose: &ScoredPose) -> String {
+    let [x, y] = [pose.at.x, pose.at.y].map(Metres::to_bits);
+    format!("{x:016x} {y:016x} {:08x} {}", pose.heading.to_bits(), pose.score.to_bits())
 }
 
 /// An entry of a covariance in the JSON output: as [`Decimal`], with at most ten places, because half a degree squared is 0.00008.

@@ -15,6 +15,7 @@ use compass_host::compare::float_levels;
 use compass_host::figures::{self, Layer, PanoramaPicture, RingPicture};
 use compass_host::frame::Frame;
 use compass_host::locator::{Considered, Seen};
+use compass_host::outline;
 use compass_host::output::create_dir;
 use compass_host::paper_finder::PaperFinder;
 use compass_host::visual_descriptor::VisualDescriptor;
@@ -25,8 +26,6 @@ use std::path::Path;
 const BESIDE_DEG: f32 = 0.75;
 /// Largest difference in azimuth between the ends of such a segment, degrees.
 const LEAN_DEG: f32 = 1.5;
-/// Lines along each side of a window.
-const SIDE: u8 = 16;
 
 const GREEN: RGBColor = RGBColor(0x00, 0xd0, 0x30);
 const RED: RGBColor = RGBColor(0xff, 0x20, 0x20);
@@ -192,7 +191,7 @@ impl Found<'_> {
         let mut here = Layer::new("windows that this camera sees", RED, 4.0);
         let mut there = Layer::new("the other camera's", YELLOW, 2.0);
         for window in self.windows {
-            let outline = self.outline(window, view);
+            let outline = outline::window(window, view, &self.level, self.considered.resolution);
             if outline.len() < 2 {
                 continue;
             }
@@ -208,29 +207,6 @@ impl Found<'_> {
         let caption = format!("Windows in the frame of cam{camera}, with their log odds");
         figures::draw_overlay(path, &caption, frame, &[there, here])?;
         Ok(())
-    }
-
-    /// The outline of a window in a camera's image, as far as the lens reaches.
-    fn outline(&self, window: &Window, view: &View) -> Vec<[f64; 2]> {
-        let resolution = self.considered.resolution;
-        let ([right, left], [sill, lintel]) =
-            (window.azimuth_deg(resolution), window.elevation_deg(resolution));
-        let corners = [[left, lintel], [right, lintel], [right, sill], [left, sill], [left, lintel]];
-        let sides = corners.windows(2).flat_map(|ends| {
-            (0..=SIDE).map(move |step| {
-                let share = f32::from(step) / f32::from(SIDE);
-                [0, 1].map(|axis| ends[0][axis] + (ends[1][axis] - ends[0][axis]) * share)
-            })
-        });
-        let size = [f32::from(view.width), f32::from(view.height)];
-        let seen = sides.filter_map(|[azimuth, elevation]| {
-            let bearing = self.level.bearing(azimuth.to_radians(), elevation.to_radians());
-            let seen = view.rotation.tr_mul(&(bearing * NOMINAL_RANGE_M - view.position));
-            let Pixel { x, y } = view.camera.project(&seen)?;
-            let on_image = (0.0..size[0]).contains(&x) && (0.0..size[1]).contains(&y);
-            on_image.then(|| [f64::from(x), f64::from(y)])
-        });
-        seen.collect()
     }
 }
 

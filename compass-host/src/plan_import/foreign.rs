@@ -1,11 +1,10 @@
 //! Plan files of another format than their name says, or of one that is not read.
 
 use crate::input;
-use std::io::Read as _;
 use std::path::Path;
 
 /// First bytes that are looked at.
-const HEAD_BYTES: u64 = 256;
+const HEAD_BYTES: usize = 256;
 
 /// What a file is by its first bytes, and what to do with it.
 const KNOWN: [(&[u8], &str); 12] = [
@@ -28,9 +27,7 @@ const KNOWN: [(&[u8], &str); 12] = [
 
 /// What a file that is no image is instead, where that is known.
 pub(super) fn recognise(path: &Path) -> Option<&'static str> {
-    let mut head = Vec::new();
-    input::open(path).ok()?.take(HEAD_BYTES).read_to_end(&mut head).ok()?;
-    of_head(&head)
+    of_head(&input::read_head(path, HEAD_BYTES).ok()?)
 }
 
 fn of_head(head: &[u8]) -> Option<&'static str> {

@@ -39,7 +39,7 @@ pub use summary::{DrawingOptions, LayerSummary};
 use std::path::{Path, PathBuf};
 
 use crate::image_file::{self, DecodeError, ImageFileError, Pixels};
-use crate::input::limits;
+use crate::input::{self, limits};
 use crate::interior::Places;
 use classify::Masks;
 use drawing_file::DrawingFormat;
@@ -338,7 +338,7 @@ fn check_options(options: &PlanOptions) -> Result<(), PlanImportError> {
 /// A plan from a vector drawing.
 fn import_drawing(options: &PlanOptions, format: DrawingFormat) -> Result<Imported, PlanImportError> {
     let path = &options.plan;
-    std::fs::metadata(path).map_err(|source| PlanImportError::Read { path: path.clone(), source })?;
+    input::find(path).map_err(|source| PlanImportError::Read { path: path.clone(), source })?;
     if let Some(resolution_m) = options.resolution_m {
         check_resolution(path, resolution_m)?;
     }

@@ -129,7 +129,7 @@ fn image_of(description: &Path, named: PathBuf) -> (PathBuf, Option<PathBuf>) {
     let image = folder.join(&named);
     let beside = named.file_name().map(|name| folder.join(name));
     match beside {
-        Some(beside) if !image.exists() && beside.exists() => (beside, Some(named)),
+        Some(beside) if !input::exists(&image) && input::exists(&beside) => (beside, Some(named)),
         _ => (image, None),
     }
 }

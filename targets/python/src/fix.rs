@@ -3,10 +3,10 @@
 use crate::arrays::matrix;
 use crate::picture;
 use crate::track::Estimate;
-use compass_host::compass_core::base::num::Metres;
 use compass_host::compass_core::pose::FloorLayer;
 use compass_host::compass_core::vision::camera::Bearing;
 use compass_host::compass_core::{self, ScoredPose};
+use compass_host::output::pose_bits;
 use compass_host::{Covariance, SiteFile, doubt};
 use numpy::PyArray2;
 use pyo3::IntoPyObjectExt as _;
@@ -46,7 +46,6 @@ impl Pose {
         covariance: Option<Covariance>,
         layers: &[FloorLayer<'_>],
     ) -> Self {
-        let [x, y] = [scored.at.x, scored.at.y].map(Metres::to_bits);
         let layer = layers.get(usize::from(scored.layer));
         Self {
             x: scored.at.x.to_num(),
@@ -54,7 +53,7 @@ impl Pose {
             heading_deg: f64::from(scored.heading.to_microdegrees()) / 1e6,
             score: scored.score.to_num(),
             floor: layer.map_or_else(String::new, |layer| layer.name.to_owned()),
-            bits: format!("{x:016x} {y:016x} {:08x} {}", scored.heading.to_bits(), scored.score.to_bits()),
+            bits: pose_bits(scored),
             covariance,
         }
     }

@@ -7,7 +7,6 @@ use crate::cli::notes::note;
 use crate::cli::pose::{Pose, covariance, milliseconds};
 use crate::cli::prior::{PlaceArgs, PriorOutput};
 use anyhow::{Context as _, Result};
-use compass_core::base::num::Metres;
 use compass_core::pose::{FloorLayer, ScoredPose};
 use compass_core::vision::shot::Shot;
 use compass_core::{Bearing, Covariance, ExclusionMask, Fix, Frame, HeightPrior, Settings, UpHint};
@@ -15,7 +14,7 @@ use compass_host::clock::Clock;
 use compass_host::doubt;
 use compass_host::input;
 use compass_host::locator::{Locator, NoPlan, SeeError, Seen};
-use compass_host::output::{Decimal, Variance};
+use compass_host::output::{Decimal, Variance, pose_bits};
 use compass_host::site_file::{SiteFile, SiteFloor};
 use compass_host::up_by_plan::{Placed, locate_by_plan};
 use compass_host::wall_check::{WallSummary, Walls};
@@ -162,7 +161,7 @@ pub(super) fn run(
         camera_height_m: Decimal(f64::from(fix.camera_height_m())),
         layer: LAYERS[layer.min(1)],
         score: best.score,
-        bits: bits(scored),
+        bits: pose_bits(scored),
         margin: Decimal(fix.margin().to_num()),
         probability: Decimal(probability),
         covariance: best.covariance,
@@ -260,12 +259,6 @@ impl<'a> Located<'a> {
         let walls = if options.is_sure(&fix) { walls(&fix, &mut seen, floors) } else { Walls::default() };
         Self { up, fix, walls, layers: Vec::new(), fault: None }
     }
-}
-
-/// Position, heading and score to the bit, for comparison between targets.
-fn bits(pose: &ScoredPose) -> String {
-    let [x, y] = [pose.at.x, pose.at.y].map(Metres::to_bits);
-    format!("{x:016x} {y:016x} {:08x} {}", pose.heading.to_bits(), pose.score.to_bits())
 }
 
 /// The verdicts on the walls of the plan as drawn, from the likeliest pose.
