@@ -111,6 +111,7 @@
 //! | `draw` | drawing on any `embedded-graphics` display |
 //! | `introspect` | what exists for pictures, comparisons and evaluation: evidence and arcs of frames, evidence that was kept |
 //! | `paper-windows` | the paper's window finder |
+//! | `large-tables` | checksums several times as fast, by tables of 16 KiB in place of 1 KiB |
 //! | `defmt` | `defmt::Format` on the public types |
 //!
 //! # Reference

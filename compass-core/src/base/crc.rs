@@ -1,7 +1,10 @@
 //! Checksum of the file formats, and the sink they are written to.
 
+/// Tables of a checksum: one of 1 KiB, or 16 of them, by which 16 bytes are taken at once.
+type Tables = crc::Table<{ if cfg!(feature = "large-tables") { 16 } else { 1 } }>;
+
 /// CRC-32 ISO-HDLC, as in zip and PNG: the checksum of all file formats.
-pub(crate) static CRC32: crc::Crc<u32> = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC);
+pub(crate) static CRC32: crc::Crc<u32, Tables> = crc::Crc::<u32, Tables>::new(&crc::CRC_32_ISO_HDLC);
 
 /// Destination of written bytes.
 ///
@@ -43,7 +46,7 @@ impl<S: Sink> Sink for &mut S {
 /// A sink, with the checksum of all bytes appended to it.
 pub(crate) struct Summed<S> {
     sink: S,
-    digest: crc::Digest<'static, u32>,
+    digest: crc::Digest<'static, u32, Tables>,
 }
 
 impl<S: core::fmt::Debug> core::fmt::Debug for Summed<S> {
