@@ -49,7 +49,7 @@
 //! | [`site`], [`site_file`] | packed plans, site maps, files of floors |
 //! | [`reference`](mod@reference) | the method once more, in plain floats |
 //! | [`calibration`], [`dual_image`], [`dataset`] | lenses and rigs; both lenses in one image; recordings, trajectories, IMU |
-//! | [`locator`], [`up`], [`localize`](mod@localize), [`doubt`] | from a pair of frames to a pose, or why there is none |
+//! | [`known_pose`], [`locator`], [`up`], [`localize`](mod@localize), [`doubt`] | from a pair of frames to a pose, or why there is none |
 //! | [`visual_descriptor`], [`outline`] | what a pair of frames shows, and where in its images |
 //! | [`wall_check`] | which walls of a plan stand |
 //! | [`localizer`], [`noise`], [`paper_finder`], [`cross_modal`] | the paper's matching, and what it is tried with |
@@ -88,6 +88,7 @@ mod guard;
 pub mod image_file;
 pub mod input;
 pub mod interior;
+pub mod known_pose;
 pub mod localize;
 pub mod localizer;
 pub mod locator;
@@ -124,6 +125,7 @@ pub use dataset::recording::{DatasetError, Recording, Shot};
 pub use dataset::trajectory::Trajectory;
 pub use frame::Frame;
 pub use image_file::ImageFileError;
+pub use known_pose::{KnownPose, KnownPoseError};
 pub use localize::localize;
 pub use locator::{Locator, NoPlan, SeeError};
 pub use output::{OutputError, write_file};

@@ -183,7 +183,7 @@ impl CameraArgs {
         let Some(calib) = &self.calib else { bail!("no calibration: name one with --calib FILE") };
         let calibration = Calibration::load_cameras(calib, &self.cameras.clone().unwrap_or_default())?;
         let read = |path: &Option<PathBuf>| path.as_ref().map(|path| Frame::read(path)).transpose();
-        let (cam0, cam1) = rayon::join(|| read(&paths[0]), || read(&paths[1]));
+        let (cam0, cam1) = rayon::join(|| read(paths[0]), || read(paths[1]));
         let (frames, halves) = dual_image::split(&calibration, [cam0?, cam1?]);
         let files: Vec<_> = paths.into_iter().flatten().map(|path| path.display().to_string()).collect();
         let up = self.up.with(self.imu.source()?, self.imu.load(&calibration)?);

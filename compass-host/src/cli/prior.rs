@@ -1,11 +1,11 @@
 //! What is known of the pose before the frames are looked at, as options.
 
 use super::plan::finite;
-use anyhow::{Result, bail};
+use anyhow::{Result, anyhow};
+use compass_core::PosePrior;
 use compass_core::pose::FloorLayer;
-use compass_core::{PosePrior, Turn};
 use compass_host::output::Decimal;
-use compass_host::site;
+use compass_host::{KnownPose, KnownPoseError};
 use serde::Serialize;
 use std::path::Path;
 
@@ -37,29 +37,17 @@ pub(super) struct PriorOutput {
 impl PlaceArgs {
     /// The prior on the layers of a site.
     pub(super) fn prior(&self, map: &Path, layers: &[FloorLayer<'_>]) -> Result<PosePrior> {
-        let mut prior = PosePrior::UNKNOWN;
-        if let Some([x, y, radius]) = self.near {
-            let Some((at, radius)) = site::point(x, y).zip(site::metres(radius)) else {
-                bail!("--near {x},{y},{radius}: beyond the range of map coordinates");
-            };
-            prior = prior.near(at, radius);
-        }
-        if let Some([degrees, width]) = self.heading_near {
-            prior = prior.heading_near(site::turn(degrees), width_of(width));
-        }
-        if let Some(name) = &self.floor {
-            let Some(layer) = layers.iter().find(|layer| layer.name == name) else {
-                let mut names: Vec<_> = layers.iter().map(|layer| layer.name).collect();
-                names.dedup();
-                bail!(
-                    "--floor {name}: {} has no floor of this name, but {}",
-                    map.display(),
-                    names.join(", ")
-                );
-            };
-            prior = prior.on_floor(layer.floor);
-        }
-        Ok(prior)
+        let Self { near, heading_near, floor } = self;
+        let known = KnownPose { near: *near, heading_near: *heading_near, floor: floor.clone() };
+        known.prior(layers).map_err(|error| match (&error, near, floor) {
+            (KnownPoseError::Near, Some([x, y, radius]), _) => {
+                anyhow!("--near {x},{y},{radius}: beyond the range of map coordinates")
+            }
+            (KnownPoseError::Floor { there }, _, Some(name)) => {
+                anyhow!("--floor {name}: {} has no floor of this name, but {there}", map.display())
+            }
+            _ => anyhow!("--heading-near: {error}"),
+        })
     }
 
     /// For the result; `None` if nothing is known.
@@ -81,11 +69,6 @@ impl PlaceArgs {
         let parts: Vec<_> = [near, heading, floor].into_iter().flatten().collect();
         (!parts.is_empty()).then(|| parts.join(", "))
     }
-}
-
-/// An angle to either side; from 180 degrees on it is no restriction.
-fn width_of(degrees: f64) -> Turn {
-    if degrees >= 180.0 { Turn::from_bits(u32::MAX) } else { site::turn(degrees) }
 }
 
 /// Parses `X,Y,RADIUS`.

@@ -10,12 +10,12 @@ use crate::track::{Estimate, Track};
 use compass_host::compass_core::base::ladder::HEIGHTS_M;
 use compass_host::compass_core::pose::FloorLayer;
 use compass_host::compass_core::vision::camera::Bearing;
-use compass_host::compass_core::{self, Motion, Turn};
+use compass_host::compass_core::{self, Motion};
 use compass_host::locator::see;
 use compass_host::up_by_plan::{Placed, locate_by_plan};
 use compass_host::{
-    Calibration, Frame, HeightPrior, Mount, PosePrior, SeeError, Settings, SiteFile, VisualDescriptor, doubt,
-    dual_image, site,
+    Calibration, Frame, HeightPrior, KnownPose, KnownPoseError, Mount, PosePrior, SeeError, Settings,
+    SiteFile, VisualDescriptor, doubt, dual_image,
 };
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -36,9 +36,7 @@ pub(crate) struct Locator {
 struct Question {
     up: Option<Bearing>,
     heights: HeightPrior,
-    near: Option<[f64; 3]>,
-    heading_near: Option<[f64; 2]>,
-    floor: Option<String>,
+    known: KnownPose,
     least: f64,
 }
 
@@ -104,9 +102,7 @@ impl Locator {
         let question = Question {
             up: direction(up)?,
             heights: heights(camera_height, ceiling_between)?,
-            near,
-            heading_near,
-            floor,
+            known: KnownPose { near, heading_near, floor },
             least: min_probability,
         };
         let frames = frames(cam0, cam1)?;
@@ -210,34 +206,14 @@ impl Locator {
 impl Question {
     /// What is known of the pose.
     fn prior(&self, name: &str, layers: &[FloorLayer<'_>]) -> PyResult<PosePrior> {
-        let mut prior = PosePrior::UNKNOWN;
-        if let Some([x, y, radius]) = self.near {
-            let place = site::point(x, y).zip(site::metres(radius).filter(|_| radius > 0.0));
-            let wanted = || {
-                wrong_in("near", format!("({x}, {y}, {radius}) is not x, y and a radius above 0 in metres"))
-            };
-            let (at, radius) = place.ok_or_else(wanted)?;
-            prior = prior.near(at, radius);
-        }
-        if let Some([degrees, width]) = self.heading_near {
-            if !(degrees.is_finite() && width.is_finite() && width > 0.0) {
-                return Err(wrong_in(
-                    "heading_near",
-                    format!("({degrees}, {width}) is not a heading and a width above 0 in degrees"),
-                ));
+        self.known.prior(layers).map_err(|error| match &error {
+            KnownPoseError::Near => wrong_in("near", error),
+            KnownPoseError::Floor { there } => {
+                let asked = self.known.floor.as_deref().unwrap_or_default();
+                wrong_in("floor", format!("{name} has no floor {asked:?}, but {there}"))
             }
-            let width = if width < 180.0 { site::turn(width) } else { Turn::from_bits(u32::MAX) };
-            prior = prior.heading_near(site::turn(degrees), width);
-        }
-        if let Some(floor) = &self.floor {
-            let found = layers.iter().find(|layer| layer.name == floor);
-            let mut names: Vec<_> = layers.iter().map(|layer| layer.name).collect();
-            names.dedup();
-            let missing =
-                || wrong_in("floor", format!("{name} has no floor {floor:?}, but {}", names.join(", ")));
-            prior = prior.on_floor(found.ok_or_else(missing)?.floor);
-        }
-        Ok(prior)
+            _ => wrong_in("heading_near", error),
+        })
     }
 }
 
