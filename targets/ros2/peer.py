@@ -2,8 +2,9 @@
 
     python peer.py COMPASS FOLDER [--soak SECONDS --rate HZ]
 
-FOLDER is what `compass demo --out` writes under `seen`: site, calibration and a pair of frames. Run it in a network of its own, so
-that no packet leaves the machine (`.ci/run ros2`). Exit status 0 if the poses are those of `compass localize`, to the bit.
+FOLDER is what `compass demo --out` writes under `seen`: site, calibration and a pair of frames; the plan lies beside it. Run it in a
+network of its own, so that no packet leaves the machine (`.ci/run ros2`). Exit status 0 if the poses are those of `compass localize`
+and, of a recording, those of `compass evaluate`, to the bit.
 """
 
 import argparse
@@ -13,6 +14,7 @@ import os
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 from dataclasses import dataclass
 
@@ -281,6 +283,44 @@ def says_other_types(compass, common, peer):
     del writer
 
 
+# x, y in metres and heading in degrees, in the sample building.
+PLACES = [(4.1, 17.8, 288), (13.4, 3.7, 74), (25.5, 15.2, 200), (20.2, 11.7, 5), (6, 4, 120), (28, 4, 330)]
+
+
+def upside_down(heading):
+    """The quaternion of a camera that hangs upside down and looks level."""
+    half = math.radians(heading) / 2
+    c, s = math.cos(half), math.sin(half)
+    # Turned about the vertical after x lies right, y up and z ahead: the rotation by 120 degrees about (1, 1, 1).
+    x, y, z, w = 0.5, 0.5, 0.5, 0.5
+    return (c * x - s * y, c * y + s * x, c * z + s * w, c * w - s * z)
+
+
+def replays(compass, common, peer, folder, scratch):
+    """A recording through the node gives the poses of `evaluate`."""
+    poses, data, out = (os.path.join(scratch, name) for name in ("poses.txt", "data", "out"))
+    with open(poses, "w") as file:
+        for number, (x, y, heading) in enumerate(PLACES):
+            print(3000 + number, x, y, 1.6, *upside_down(heading), file=file)
+    plan = os.path.join(folder, "..", "sample-building.png")
+    run = lambda *line: subprocess.run([compass, *line], capture_output=True, check=True)
+    run("simulate", plan, "--poses", poses, "--out", data)
+    truth = os.path.join(data, "groundtruth.txt")
+    run("evaluate", *common, "--dataset", data, "--groundtruth", truth, "--out", out)
+    with open(os.path.join(out, "frames.jsonl")) as lines:
+        records = {record["timestamp_ns"]: record for record in map(json.loads, lines) if "timestamp_ns" in record}
+    check(len(records) == len(PLACES), f"evaluate answers {len(records)} frames")
+    for stamp, record in sorted(records.items()):
+        frames = [open(os.path.join(data, f"cam{n}", "data", f"{stamp}.jpg"), "rb").read() for n in range(2)]
+        waited(peer.candidates, 0.1)
+        peer.send(frames, Time(stamp // 10**9, stamp % 10**9))
+        heard = waited(peer.candidates, 5)
+        check(heard, f"the pair of {stamp // 10**9} s is answered")
+        found = [(pose.position.x, pose.position.y) for pose in heard[-1].poses]
+        wanted = [(pose["x"] / 2**32, pose["y"] / 2**32) for pose in record["single"]]
+        check(found == wanted, f"with all {len(wanted)} poses of evaluate, to the bit")
+
+
 def soak(peer, node, frames, seconds, rate):
     """Frames at a rate: the memory stays, none is lost but those that are overtaken."""
     times, sent, stamps = [], 0, {}
@@ -333,6 +373,8 @@ def main():
         answers(peer, expected, frames)
         refuses(peer, frames)
         says_other_types(told.compass, common, peer)
+        with tempfile.TemporaryDirectory() as scratch:
+            replays(told.compass, common, peer, told.folder, scratch)
         if told.soak:
             soak(peer, node, frames, told.soak, told.rate)
         node.send_signal(signal.SIGINT)
