@@ -5,6 +5,7 @@
 
 mod arrays;
 mod error;
+mod evaluation;
 mod fix;
 mod locator;
 mod picture;
@@ -30,6 +31,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<fix::Pose>()?;
     module.add_class::<track::Track>()?;
     module.add_class::<track::Estimate>()?;
+    module.add_function(wrap_pyfunction!(evaluation::evaluate, module)?)?;
     module.add_function(wrap_pyfunction!(plan::load_plan, module)?)?;
     module.add_function(wrap_pyfunction!(plan::sample_plan, module)?)?;
     module.add_function(wrap_pyfunction!(arrays::read_image, module)?)?;

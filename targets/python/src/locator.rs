@@ -234,7 +234,7 @@ fn direction(up: Option<[f64; 3]>) -> PyResult<Option<Bearing>> {
     Ok(Some(Bearing::new(x as f32, y as f32, z as f32)))
 }
 
-fn heights(camera: Option<f64>, ceiling: Option<[f64; 2]>) -> PyResult<HeightPrior> {
+pub(crate) fn heights(camera: Option<f64>, ceiling: Option<[f64; 2]>) -> PyResult<HeightPrior> {
     let [least, most] = HEIGHTS_M;
     let prior = match camera.map(|metres| metres as f32) {
         None => HeightPrior::UNKNOWN,

@@ -163,6 +163,17 @@ class Locator:
         camera_height: Optional[float] = None,
     ) -> Dict[str, Any]: ...
 
+def evaluate(
+    site: Site,
+    rig: Rig,
+    dataset: Path,
+    groundtruth: Path,
+    *,
+    odometry: Optional[Path] = None,
+    floor: Optional[str] = None,
+    camera_height: Optional[float] = None,
+    every: int = 1,
+) -> Dict[str, Any]: ...
 def load_plan(
     path: Path,
     *,
