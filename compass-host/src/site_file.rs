@@ -5,7 +5,7 @@ use crate::output::Bytes;
 use crate::plan_import::PlanRaster;
 use crate::progress::{Progress, Silent};
 use crate::site::{BuildError, BuildOptions, PackedPlan, build_with_progress};
-use compass_core::map::site::{Floor, FloorError, Site, SiteError, Writer};
+use compass_core::map::site::{Floor, FloorError, MAX_NAME_BYTES, Site, SiteError, Writer};
 use compass_core::map::site_map::{SiteMap, SiteMapError};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -129,6 +129,14 @@ impl<'a> SiteFloor<'a> {
     }
 }
 
+/// A name of a floor from the name of its plan's file.
+#[must_use]
+pub fn floor_name(plan: &Path) -> String {
+    let stem = plan.file_stem().unwrap_or_default().to_string_lossy().replace(char::is_control, "");
+    let name = &stem[..stem.floor_char_boundary(MAX_NAME_BYTES)];
+    if name.is_empty() { "floor".into() } else { name.into() }
+}
+
 /// The site file of these floors.
 ///
 /// # Errors
@@ -168,4 +176,26 @@ pub fn floor_bytes_with_progress(
     let map = build_with_progress(raster, plan, structure, options, progress)?;
     let floor = Floor::new(name, SiteMap::new(&map)?, plan.view(), structure.map(PackedPlan::view))?;
     Ok(site_bytes(&[floor])?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use compass_core::map::site::is_name;
+
+    #[test]
+    fn file_names_become_names_of_floors() {
+        for (file, name) in [
+            ("plans/floor_1.png", "floor_1"),
+            ("Erdgeschoß mit Anbau (neu).png", "Erdgeschoß mit Anbau ("),
+            ("zweiundzwanzig Zeichen_ß.png", "zweiundzwanzig Zeichen_"),
+            ("einundzwanzig Zeichen_ß.png", "einundzwanzig Zeichen_"),
+            ("a\nb.png", "ab"),
+            ("\n", "floor"),
+            ("", "floor"),
+        ] {
+            assert_eq!(floor_name(Path::new(file)), name);
+            assert!(is_name(name), "{name}");
+        }
+    }
 }

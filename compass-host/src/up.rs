@@ -5,6 +5,7 @@ use crate::locator::{SeeError, Segmented, sky_is_above};
 use compass_core::vision::attitude::{UpHint, Vertical};
 use compass_core::vision::camera::Bearing;
 use serde::{Deserialize, Serialize};
+use std::str::FromStr;
 
 /// Largest angle between the up vectors of image and IMU at which they agree, degrees.
 const AGREEING_DEG: f64 = 10.0;
@@ -24,7 +25,28 @@ pub enum Mount {
     Inverted,
 }
 
+impl FromStr for Mount {
+    type Err = String;
+
+    /// The mount of a [name](Mount::name).
+    fn from_str(name: &str) -> Result<Self, String> {
+        let all = [Self::Auto, Self::Upright, Self::Inverted];
+        let found = all.into_iter().find(|mount| mount.name() == name);
+        found.ok_or_else(|| format!("{name:?} is not 'auto', 'upright' or 'inverted'"))
+    }
+}
+
 impl Mount {
+    /// Its name: `auto`, `upright` or `inverted`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Upright => "upright",
+            Self::Inverted => "inverted",
+        }
+    }
+
     /// Approximate up vector in the axes of cam0; `None` if it is to be inferred from the windows.
     #[must_use]
     pub fn top(self) -> Option<Bearing> {
@@ -190,4 +212,18 @@ fn near(segmented: &mut Segmented<'_, '_, '_>, up: Bearing) -> Result<Vertical, 
         }
         Ok(vertical)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mount_is_found_by_its_name_alone() {
+        for mount in [Mount::Auto, Mount::Upright, Mount::Inverted] {
+            assert_eq!(mount.name().parse(), Ok(mount));
+        }
+        let refused = "Upright".parse::<Mount>();
+        assert_eq!(refused, Err("\"Upright\" is not 'auto', 'upright' or 'inverted'".to_owned()));
+    }
 }

@@ -49,6 +49,16 @@ impl PackedPlan {
         Ok(Self { bytes })
     }
 
+    /// Packs the structure of a plan as the second layer of a site: `None` if it is all of this plan, since a second layer that is
+    /// the first one says nothing.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn second_layer(&self, structure: &PlanRaster) -> Result<Option<Self>, PackError> {
+        let packed = Self::new(structure)?;
+        Ok((packed.bytes != self.bytes).then_some(packed))
+    }
+
     /// The plan.
     ///
     /// # Panics

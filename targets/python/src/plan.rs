@@ -90,10 +90,8 @@ impl Plan {
         notes: Vec<String>,
     ) -> Result<Self, String> {
         let packed = PackedPlan::new(&raster).map_err(|error| error.to_string())?;
-        let kept = structure.ok().map(|kept| PackedPlan::new(&kept)).transpose();
-        // A second layer that is the first one says nothing.
-        let structure =
-            kept.map_err(|error| error.to_string())?.filter(|kept| kept.as_bytes() != packed.as_bytes());
+        let second = structure.ok().map(|kept| packed.second_layer(&kept)).transpose();
+        let structure = second.map_err(|error| error.to_string())?.flatten();
         Ok(Self { name, raster: Arc::new(raster), packed: Arc::new(packed), structure, notes })
     }
 

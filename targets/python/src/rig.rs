@@ -1,6 +1,6 @@
 //! The cameras of a robot.
 
-use crate::error::wrong;
+use crate::error::{wrong, wrong_in};
 use compass_host::Mount;
 use compass_host::calibration::{Calibration, CameraNames};
 use pyo3::prelude::*;
@@ -15,14 +15,8 @@ pub(crate) struct Rig {
     pub(crate) mount: Mount,
 }
 
-/// A mount by its name.
 fn mount(name: &str) -> PyResult<Mount> {
-    match name {
-        "auto" => Ok(Mount::Auto),
-        "upright" => Ok(Mount::Upright),
-        "inverted" => Ok(Mount::Inverted),
-        _ => Err(wrong(format!("mount: {name:?} is not 'auto', 'upright' or 'inverted'"))),
-    }
+    name.parse().map_err(|error| wrong_in("mount", error))
 }
 
 #[pymethods]
@@ -49,11 +43,7 @@ impl Rig {
     /// Which side of cam0's image is up: 'auto', 'upright' or 'inverted'.
     #[getter]
     fn mount(&self) -> &'static str {
-        match self.mount {
-            Mount::Auto => "auto",
-            Mount::Upright => "upright",
-            Mount::Inverted => "inverted",
-        }
+        self.mount.name()
     }
 
     fn __repr__(&self) -> String {

@@ -96,7 +96,7 @@ pub(crate) struct Sought<'a> {
 impl Sought<'_> {
     /// The reply, and the descriptor as seen, if frames tell which way is up.
     pub(crate) fn locate(&self, question: &Question) -> Result<(Reply, Option<VisualDescriptor>), String> {
-        let mount = mount(&question.mount)?;
+        let mount: Mount = question.mount.parse().map_err(|error| format!("mount: {error}"))?;
         let heights = heights(question.camera_height)?;
         let sizes = self.frames.map(|frame| frame.map(|frame| (frame.width(), frame.height())));
         let rig = self.calibration.rig(sizes).map_err(|error| error.to_string())?;
@@ -260,15 +260,6 @@ pub(crate) fn heat(map: &SiteMap<'_>, descriptor: &VisualDescriptor) -> Vec<u8> 
         Some([at.x.to_num(), at.y.to_num(), peak.score().to_num()])
     });
     floats(scores.flatten())
-}
-
-fn mount(name: &str) -> Result<Mount, String> {
-    match name {
-        "auto" => Ok(Mount::Auto),
-        "upright" => Ok(Mount::Upright),
-        "inverted" => Ok(Mount::Inverted),
-        _ => Err(format!("mount: {name:?} is not auto, upright or inverted")),
-    }
 }
 
 fn heights(camera_m: Option<f32>) -> Result<HeightPrior, String> {

@@ -5,8 +5,10 @@ use compass_host::interior::Places;
 use compass_host::plan_import::structure::{DEFAULT_THICKNESS_M, keep_structure};
 use compass_host::plan_import::{PlanOptions, import};
 use compass_host::sample::building;
-use compass_host::{PackedPlan, PlanDescriptor, PlanRaster};
+use compass_host::site_file::floor_name;
+use compass_host::{PackError, PackedPlan, PlanDescriptor, PlanRaster};
 use serde::{Deserialize, Serialize};
+use std::path::Path;
 
 /// Most pixels along a side of the picture of a plan.
 const PICTURE_PIXELS: u32 = 2048;
@@ -69,8 +71,7 @@ impl Plan {
         }
         let structure = imported.structure(DEFAULT_THICKNESS_M, &Places::default()).ok();
         let notes = imported.notes.iter().map(ToString::to_string).collect();
-        let name = file.rsplit_once('.').map_or(file, |(stem, _)| stem);
-        Self::of(name, imported.plan, structure, notes)
+        Self::of(&floor_name(Path::new(file)), imported.plan, structure, notes)
     }
 
     /// The sample building of the command's demo.
@@ -86,11 +87,10 @@ impl Plan {
         structure: Option<PlanRaster>,
         notes: Vec<String>,
     ) -> Result<Self, String> {
-        let pack = |raster: &PlanRaster| PackedPlan::new(raster).map_err(|error| format!("{name}: {error}"));
-        let packed = pack(&raster)?;
-        let structure = structure.as_ref().map(pack).transpose()?;
-        // A second layer that is the first one says nothing.
-        let structure = structure.filter(|kept| kept.as_bytes() != packed.as_bytes());
+        let failed = |error: PackError| format!("{name}: {error}");
+        let packed = PackedPlan::new(&raster).map_err(failed)?;
+        let structure =
+            structure.map(|kept| packed.second_layer(&kept)).transpose().map_err(failed)?.flatten();
         Ok(Self { name: name.to_owned(), raster, packed, structure, notes })
     }
 

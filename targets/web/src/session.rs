@@ -4,7 +4,6 @@ use crate::message::{Reply, error, floats, reply};
 use crate::place::{Question, Sought, heat};
 use crate::plan::{Options, Plan};
 use crate::progress::Told;
-use compass_host::compass_core::map::site::MAX_NAME_BYTES;
 use compass_host::dataset::tum::Pose;
 use compass_host::input;
 use compass_host::interior::Places;
@@ -157,8 +156,7 @@ impl Session {
 
     fn build(&mut self, options: BuildOptions) -> Result<Reply, String> {
         let Plan { name, raster, packed, structure, .. } = self.plan()?;
-        let short = &name[..name.floor_char_boundary(MAX_NAME_BYTES)];
-        let bytes = floor_bytes_with_progress(short, raster, packed, structure.as_ref(), &options, &Told)
+        let bytes = floor_bytes_with_progress(name, raster, packed, structure.as_ref(), &options, &Told)
             .map_err(|error| format!("{name}: {error}"))?;
         self.site = Some(SiteFile::from_bytes(bytes).map_err(|error| error.to_string())?);
         self.built()

@@ -11,7 +11,7 @@ use compass_host::output::{Decimal, check_file, write_file};
 use compass_host::plan_import::Imported;
 use compass_host::plan_import::structure::{DEFAULT_THICKNESS_M, StructureError};
 use compass_host::site::{BuildOptions, PackedPlan};
-use compass_host::site_file::floor_bytes_with_progress;
+use compass_host::site_file::{floor_bytes_with_progress, floor_name};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -77,7 +77,7 @@ impl Build {
             places: self.plan.places(),
         };
         let structure = self.structure(&imported, &plan).with_context(|| path.display().to_string())?;
-        let name = self.name.clone().unwrap_or_else(|| default_name(path));
+        let name = self.name.clone().unwrap_or_else(|| floor_name(path));
         let bytes = floor_bytes_with_progress(&name, raster, &plan, structure.packed(), &options, &Bars)
             .with_context(|| path.display().to_string())?;
         write_file(&self.out, &bytes)?;
@@ -100,15 +100,12 @@ impl Build {
             return Ok(Structure::None("as asked".into()));
         }
         let kept = match imported.structure(self.thickness, &self.plan.places()) {
-            Ok(kept) => PackedPlan::new(&kept)?,
+            Ok(kept) => plan.second_layer(&kept)?,
             Err(error @ StructureError::Thickness(_)) => return Err(error.into()),
             Err(error) => return Ok(Structure::None(format!("no structure: {error}"))),
         };
-        Ok(if kept.as_bytes() == plan.as_bytes() {
-            Structure::None("all of the plan is structure".into())
-        } else {
-            Structure::Packed(kept)
-        })
+        let whole = || Structure::None("all of the plan is structure".into());
+        Ok(kept.map_or_else(whole, Structure::Packed))
     }
 
     fn summary(&self, built: &Built, structure: &Structure) -> String {
@@ -134,35 +131,7 @@ impl Structure {
     }
 }
 
-/// A floor name from a file name.
-fn default_name(plan: &Path) -> String {
-    let stem = plan.file_stem().unwrap_or_default().to_string_lossy().replace(char::is_control, "");
-    let name = &stem[..stem.floor_char_boundary(MAX_NAME_BYTES)];
-    if name.is_empty() { "floor".into() } else { name.into() }
-}
-
 fn name(text: &str) -> Result<String, String> {
     let wanted = || format!("expected 1 to {MAX_NAME_BYTES} bytes without control characters");
     if is_name(text) { Ok(text.into()) } else { Err(wanted()) }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn file_names_become_names_of_floors() {
-        for (file, name) in [
-            ("plans/floor_1.png", "floor_1"),
-            ("Erdgeschoß mit Anbau (neu).png", "Erdgeschoß mit Anbau ("),
-            ("zweiundzwanzig Zeichen_ß.png", "zweiundzwanzig Zeichen_"),
-            ("einundzwanzig Zeichen_ß.png", "einundzwanzig Zeichen_"),
-            ("a\nb.png", "ab"),
-            ("\n", "floor"),
-            ("", "floor"),
-        ] {
-            assert_eq!(default_name(Path::new(file)), name);
-            assert!(is_name(name), "{name}");
-        }
-    }
 }
