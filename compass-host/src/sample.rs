@@ -28,6 +28,15 @@ pub const DEMO_POSE: ([f64; 2], f64) = ([13.37, 3.68], 74.0);
 /// A free pose in the hall in the north-west, from which frames are rendered: position, then heading as above.
 pub const FRAME_POSE: ([f64; 2], f64) = ([4.12, 17.77], 288.6);
 
+/// Pixels along x and y of those frames.
+pub const FRAME_PIXELS: (u32, u32) = (736, 720);
+
+/// Height of cam0 above the floor there, metres.
+pub const FRAME_HEIGHT_M: f64 = 1.6;
+
+/// Pitch and roll of cam0 there, degrees: it looks up a little and hangs upside down with some roll.
+pub const FRAME_PITCH_ROLL_DEG: [f64; 2] = [4.0, 187.0];
+
 /// Width and height of the image in pixels: building and margin on both sides.
 const SIZE_PX: (u32, u32) = (3200, 2200);
 /// Thickness of the facade.

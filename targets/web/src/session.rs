@@ -7,15 +7,12 @@ use crate::progress::Told;
 use compass_host::dataset::tum::Pose;
 use compass_host::input;
 use compass_host::interior::Places;
-use compass_host::sample::FRAME_POSE;
+use compass_host::sample::{FRAME_HEIGHT_M, FRAME_PITCH_ROLL_DEG, FRAME_PIXELS, FRAME_POSE};
 use compass_host::simulate::{Scene, SceneOptions, render};
 use compass_host::site_file::floor_bytes_with_progress;
 use compass_host::{BuildOptions, Calibration, Frame, SiteFile, VisualDescriptor, dual_image};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
-
-/// Size of simulated frames.
-const FRAME_PIXELS: (u32, u32) = (736, 720);
 
 /// The state of a page.
 #[derive(Debug, Default)]
@@ -200,7 +197,8 @@ impl Session {
         self.plan()?.packed.scan([x, y], heading).map_err(|error| error.to_string())?;
         let calibration = calibration(None)?;
         let rig = calibration.rig([Some(FRAME_PIXELS); 2]).map_err(|error| error.to_string())?;
-        let pose = Pose::looking(0, [x, y, 1.6], heading, 4.0, 187.0);
+        let [pitch, roll] = FRAME_PITCH_ROLL_DEG;
+        let pose = Pose::looking(0, [x, y, FRAME_HEIGHT_M], heading, pitch, roll);
         let options = seed.map_or_else(SceneOptions::default, |seed| SceneOptions {
             seed,
             style: seed,

@@ -15,7 +15,7 @@ use compass_host::output::{Decimal, create_dir, write_file, write_png};
 use compass_host::plan_import::PlanRaster;
 use compass_host::plan_import::structure::{DEFAULT_THICKNESS_M, keep_structure};
 use compass_host::report::{Picture, Section, Table};
-use compass_host::sample::FRAME_POSE;
+use compass_host::sample::{FRAME_HEIGHT_M, FRAME_PITCH_ROLL_DEG, FRAME_PIXELS, FRAME_POSE};
 use compass_host::simulate::{Scene, SceneOptions, render};
 use compass_host::site::{BuildOptions, PackedPlan};
 use compass_host::site_file::{SiteFile, floor_bytes_with_progress};
@@ -23,12 +23,6 @@ use compass_host::up::Mount;
 use compass_host::visual_descriptor::VisualDescriptor;
 use std::path::Path;
 use std::time::Instant;
-
-/// Size of the frames, and height of the camera above the floor in metres.
-const SIZE: (u32, u32) = (736, 720);
-const HEIGHT_M: f64 = 1.6;
-/// The rig is pitched up a little and hangs upside down with some roll.
-const PITCH_ROLL_DEG: [f64; 2] = [4.0, 187.0];
 
 /// The results for the frames.
 pub(super) struct Seen {
@@ -49,8 +43,9 @@ pub(super) fn run(dir: &Path, raster: &PlanRaster, plan: &PackedPlan) -> Result<
     let file = SiteFile::read(&path)?;
     let floors = file.floors();
     let ([x, y], heading) = FRAME_POSE;
-    let pose = tum::Pose::looking(0, [x, y, HEIGHT_M], heading, PITCH_ROLL_DEG[0], PITCH_ROLL_DEG[1]);
-    let rig = Calibration::nominal().rig([Some(SIZE); 2])?;
+    let [pitch, roll] = FRAME_PITCH_ROLL_DEG;
+    let pose = tum::Pose::looking(0, [x, y, FRAME_HEIGHT_M], heading, pitch, roll);
+    let rig = Calibration::nominal().rig([Some(FRAME_PIXELS); 2])?;
     write_file(&dir.join("calibration.yaml"), NOMINAL_YAML.as_bytes())?;
     let images = render(&Scene::new(&SceneOptions::default(), raster), &rig, &pose);
     for (camera, image) in images.iter().enumerate() {
@@ -119,7 +114,7 @@ impl Seen {
             text: vec![format!(
                 "Two fisheye frames were rendered at x {x:.2} m, y {y:.2} m, heading {heading:.1} degrees, and nothing \
                  but the plan, the lenses and that the rig hangs upside down was told. The likeliest pose is within 1 m \
-                 with a probability of {:.2}; the camera was found to be {:.2} m above the floor (truth: {HEIGHT_M} m).",
+                 with a probability of {:.2}; the camera was found to be {:.2} m above the floor (truth: {FRAME_HEIGHT_M} m).",
                 self.probability, self.camera_height_m
             )],
             tables: vec![Table {
